@@ -4,7 +4,8 @@
     cargo build --release -p impinge-cli
     .venv/bin/python docs/images/picture.py target/release/impinge
 
-The curves are the command's own; the rest is a small z-buffer with smooth shading. Writes docs/images/picture.png.
+The command writes the curves. The rest is a small z-buffer with smooth shading. The script writes
+docs/images/picture.png.
 """
 
 import subprocess
@@ -109,7 +110,7 @@ class Canvas:
             self.colour[y0:y1, x0:x1][seen] = shade(normal, colour)
 
     def curve(self, points: np.ndarray) -> None:
-        """A round cord, drawn as small balls half a pixel apart."""
+        """Draws a round tube along a polyline, as small spheres half a pixel apart."""
         p = self.to_pixels(points)
         steps = np.maximum(np.ceil(2 * np.linalg.norm(np.diff(p[:, :2], axis=0), axis=1)), 1).astype(int)
         radius = CURVE_RADIUS * self.scale
@@ -142,7 +143,7 @@ class Canvas:
 
 
 def shade(normals: np.ndarray, colour: np.ndarray, flat: float = AMBIENT) -> np.ndarray:
-    """Lambert's law for each normal (k, 3), either side lit alike as it is turned to the viewer, and a small highlight."""
+    """Returns a color for each normal (k, 3): Lambert's law, both sides lit alike, and a highlight."""
     normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     normals = np.where(normals[:, 2:] < 0, -normals, normals)
     light = np.full(len(normals), flat)

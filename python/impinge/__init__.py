@@ -5,8 +5,10 @@
 >>> impinge.intersects(triangle, triangle, pose_b=impinge.pose([0, 0, 1]))
 False
 
-A pose is a (4, 4) matrix, world from local, for column vectors. Arrays of poses, (n, 4, 4), are answered in one call,
-on all cores. `impinge.trimesh` and `impinge.fcl` stand in for the collision parts of the libraries of those names.
+A pose is a (4, 4) matrix that maps local to world coordinates, for column vectors. A function that
+takes an array of poses, (n, 4, 4), processes all of them in one call, on all cores.
+`impinge.trimesh` and `impinge.fcl` are drop-in replacements for ``trimesh.collision`` and for the
+collision part of python-fcl.
 """
 
 from impinge import ccd, fit, partition

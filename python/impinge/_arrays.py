@@ -1,4 +1,7 @@
-"""Arrays as they come, made plain: native, aligned, C-contiguous, of a type that the extension reads."""
+"""Validates array arguments, and converts them to native, aligned, C-contiguous arrays.
+
+The extension reads the types that these functions return.
+"""
 
 from __future__ import annotations
 
@@ -13,101 +16,102 @@ _PLAIN: list[Literal["C_CONTIGUOUS", "ALIGNED"]] = ["C_CONTIGUOUS", "ALIGNED"]
 
 
 def plain_cloud(points: ArrayLike, name: str) -> NDArray[Any]:
-    """Return (n, 3) float32 or float64; the array itself where it is plain already."""
+    """Return an (n, 3) array of float32 or float64; the argument itself if it is plain already."""
     return _floats(points, name, (3,), cloud=True, wanted="an (n, 3) array")
 
 
 def plain_points(points: ArrayLike, name: str) -> NDArray[np.float64]:
-    """Return (..., 3) float64; the array itself where it is plain already."""
+    """Return a (..., 3) float64 array; the argument itself if it is plain already."""
     return _floats(points, name, (3,), cloud=False, wanted="a (3,) point, or (..., 3) of them")
 
 
 def plain_poses(poses: ArrayLike, name: str) -> NDArray[np.float64]:
-    """Return (..., 4, 4) float64; the array itself where it is plain already."""
+    """Return a (..., 4, 4) float64 array; the argument itself if it is plain already."""
     return _floats(poses, name, (4, 4), cloud=False, wanted="a (4, 4) matrix, or (..., 4, 4) of them")
 
 
 def plain_faces(faces: ArrayLike) -> NDArray[Any]:
-    """Return (m, 3) of int32, uint32, int64 or uint64; the array itself where it is plain already."""
+    """Return an (m, 3) array of 32- or 64-bit integers; the argument itself if plain already."""
     array = _array(faces, "faces", "an (m, 3) array of integers")
     if array.size == 0 and array.shape in ((0,), (0, 3)):
         return np.zeros((0, 3), np.int64)
     if array.dtype.kind not in "iu":
         raise InputError(
-            f"dtype {array.dtype}, where integers are expected", kind="dtype", what="faces", hint=_integer_hint(array)
+            f"has dtype {array.dtype}; integers are expected", kind="dtype", what="faces", hint=_integer_hint(array)
         )
     if array.ndim != 2 or array.shape[1] != 3:
         hint = "triangulate the polygons first" if array.ndim == 2 and array.shape[1] > 3 else None
-        raise InputError(f"shape {array.shape}, where (m, 3) is expected", kind="shape", what="faces", hint=hint)
+        raise InputError(f"has shape {array.shape}; (m, 3) is expected", kind="shape", what="faces", hint=hint)
     wide = array.dtype.itemsize >= 4
     native = array.dtype.newbyteorder("=") if wide else np.dtype(np.int32)
     return np.require(array, native, _PLAIN)
 
 
-def plain_numbers(numbers: ArrayLike, name: str, most: int) -> NDArray[np.uint64]:
-    """Return (...) uint64 of whole numbers from zero to `most`; an array without entries may be of any type."""
+def plain_numbers(numbers: ArrayLike, name: str, maximum: int) -> NDArray[np.uint64]:
+    """Return a uint64 array of integers from 0 to `maximum`; an empty array may have any type."""
     if isinstance(numbers, list | tuple) and all(isinstance(number, int | np.integer) for number in numbers):
-        # NumPy makes floats of signed and unsigned integers side by side.
+        # NumPy converts a mixture of signed and unsigned integers to floats.
         numbers = [number if isinstance(number, bool) else int(number) for number in numbers]
-    array = _array(numbers, name, f"integers from 0 to {most}")
+    array = _array(numbers, name, f"integers from 0 to {maximum}")
     if array.size == 0:
         return np.zeros(array.shape, np.uint64)
     if array.dtype.kind not in "iu":
-        message = f"dtype {array.dtype}, where integers from 0 to {most} are expected"
+        message = f"has dtype {array.dtype}; integers from 0 to {maximum} are expected"
         raise InputError(message, kind="dtype", what=name)
-    wrong = np.argwhere((array < 0) | (array > most))
+    wrong = np.argwhere((array < 0) | (array > maximum))
     if len(wrong):
         at = tuple(map(int, wrong[0]))
-        raise InputError(f"{array[at]} is not from 0 to {most}", kind="out-of-range", what=name, where=at)
+        message = f"must be from 0 to {maximum}, not {array[at]}"
+        raise InputError(message, kind="out-of-range", what=name, where=at)
     return np.require(array, np.uint64, _PLAIN)
 
 
 def plain_reals(value: Any, name: str, core: tuple[int, ...]) -> NDArray[np.float64]:
-    """Return (..., *core) finite float64 of numbers of any type."""
+    """Return a (..., *core) array of finite float64 from numbers of any type."""
     try:
         given = np.asarray(value)
         if given.dtype.kind not in "iufO":
             raise TypeError(f"dtype {given.dtype}")
         array = given.astype(np.float64)
     except (ValueError, TypeError, OverflowError) as error:
-        raise InputError(f"not an array of numbers: {error}", kind="type", what=name) from None
+        raise InputError(f"must be an array of numbers: {error}", kind="type", what=name) from None
     if array.shape[array.ndim - len(core) :] != core:
-        message = f"shape {array.shape}, where (..., {', '.join(map(str, core))}) is expected"
+        message = f"has shape {array.shape}; (..., {', '.join(map(str, core))}) is expected"
         raise InputError(message, kind="shape", what=name)
     broken = np.argwhere(~np.isfinite(array))
     if len(broken):
-        raise InputError("not finite", kind="non-finite", what=name, where=tuple(map(int, broken[0])))
+        raise InputError("must be finite", kind="non-finite", what=name, where=tuple(map(int, broken[0])))
     return array
 
 
 def _floats(values: ArrayLike, name: str, core: tuple[int, ...], *, cloud: bool, wanted: str) -> NDArray[Any]:
-    """Read floats whose last axes are `core`; a cloud has one axis more, and keeps single precision."""
+    """Read floats whose last axes are `core`; a cloud has one more axis and keeps float32."""
     is_array = hasattr(values, "dtype")
     array = _array(values, name, f"{wanted} of float32 or float64")
     if cloud and array.shape == (0,):
         array = array.reshape(0, 3)
-    # A nested list has no type of its own: whole numbers in it are numbers like others.
+    # A nested list has no dtype, so integers in it are accepted and converted.
     if not is_array and array.dtype.kind in "iu":
         array = array.astype(np.float64)
     if array.dtype.kind != "f" or array.dtype.itemsize not in (4, 8):
         hint = f"{name}.astype(numpy.float64) converts it" if array.dtype.kind in "iuf" else None
-        message = f"dtype {array.dtype}, where float32 or float64 is expected"
+        message = f"has dtype {array.dtype}; float32 or float64 is expected"
         raise InputError(message, kind="dtype", what=name, hint=hint)
     if (cloud and array.ndim != 2) or array.shape[-len(core) :] != core:
-        raise InputError(f"shape {array.shape}, where {wanted} is expected", kind="shape", what=name)
+        raise InputError(f"has shape {array.shape}; {wanted} is expected", kind="shape", what=name)
     single = cloud and array.dtype.itemsize == 4
     return np.require(array, np.float32 if single else np.float64, _PLAIN)
 
 
 def _array(values: ArrayLike, name: str, wanted: str) -> NDArray[Any]:
     try:
-        # A subclass, such as the arrays of trimesh, is the array that it wraps.
+        # A subclass, such as the arrays of trimesh, is replaced with its base array.
         array = np.asarray(values)
     except (ValueError, TypeError) as error:
-        message = f"not {wanted}: {error}"
+        message = f"must be {wanted}: {error}"
         raise InputError(message, kind="shape", what=name) from None
     if array.dtype.kind == "O" or np.ma.isMaskedArray(values):
-        message = f"not {wanted}, but {type(values).__name__}"
+        message = f"must be {wanted}, not {type(values).__name__}"
         raise InputError(message, kind="type", what=name)
     return array
 

@@ -1,4 +1,4 @@
-"""Bodies as the drop-in modules see them: surfaces, or convex solids, with boxes for a broad phase."""
+"""Bodies of the drop-in modules `impinge.trimesh` and `impinge.fcl`: surfaces or convex solids."""
 
 from __future__ import annotations
 
@@ -19,14 +19,15 @@ from impinge._rows import Solid
 from impinge._shape import Shape
 
 _PADDING = 1e-12
-"""Of the magnitudes that are added up in a box: more than their rounding errors, so that no box is too small."""
+"""Relative padding of boxes, as a share of the magnitudes that are added. It exceeds their rounding
+errors, so that no box is too small."""
 
 CONTAINED = np.array([[-1, -1]])
-"""The pair that stands for a body inside a solid whose surface it does not touch: no faces."""
+"""The pair of faces for a body inside a solid whose surface it does not touch: -1 means no face."""
 
 
 class Body:
-    """A surface or a convex solid: a mesh, or a shape that is none."""
+    """A surface or a convex solid: a mesh, or a shape without a mesh."""
 
     def __init__(self, mesh: Mesh, *, solid: bool, round_shape: Shape | None = None) -> None:
         self.mesh = mesh
@@ -35,24 +36,24 @@ class Body:
 
     @classmethod
     def of_shape(cls, shape: Shape) -> Body:
-        """Return a convex solid that is no mesh."""
+        """Return a convex solid without a mesh."""
         return cls(Mesh(np.zeros((0, 3)), np.zeros((0, 3), int)), solid=True, round_shape=shape)
 
     @property
     def is_mesh(self) -> bool:
-        """Whether it has faces to be named."""
+        """Report whether the body has a mesh, and therefore faces."""
         return self._round is None
 
     @cached_property
     def shape(self) -> Shape:
-        """The body as a shape, in its own frame; of a convex mesh that is solid the hull."""
+        """The body as a shape in its own frame; a convex solid mesh becomes its hull."""
         if self._round is not None:
             return self._round
         return Shape.hull(self.mesh.vertices) if self.solid else Shape.mesh(self.mesh)
 
     @cached_property
     def box(self) -> NDArray[np.float64]:
-        """Centre and half extents, (2, 3), in the body's own frame; NaN where there is nothing to bound."""
+        """Center and half-extents (2, 3) of a box in the body frame; NaN if there are no points."""
         bounds = None if self._round is None else self._round.bounds
         points: NDArray[Any] = self.mesh.vertices if bounds is None else bounds
         if len(points) == 0:
@@ -61,20 +62,20 @@ class Body:
         return np.stack([low / 2 + high / 2, high / 2 - low / 2])
 
     def box_at(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Lower and upper corner, (2, 3), of a box in the world that holds the posed body."""
+        """Return corners (2, 3), lower and upper, of a world-frame box around the posed body."""
         if self._round is not None and self._round.bounds is None:
             return np.array([[-np.inf] * 3, [np.inf] * 3])
-        centre, half = self.box
+        center, half = self.box
         linear, translation = pose[:3, :3], pose[:3, 3]
-        middle = linear @ centre + translation
+        middle = linear @ center + translation
         reach = np.abs(linear) @ half
-        reach += _PADDING * (np.abs(linear) @ (np.abs(centre) + half) + np.abs(translation))
+        reach += _PADDING * (np.abs(linear) @ (np.abs(center) + half) + np.abs(translation))
         return np.stack([middle - reach, middle + reach])
 
 
 @dataclass(frozen=True)
 class Separation:
-    """How far apart two bodies are, or how deep two solids are in each other: then the value is negative."""
+    """Distance of two bodies, or minus the penetration depth of two solids."""
 
     value: float
     points: list[NDArray[np.float64]]
@@ -84,10 +85,12 @@ class Separation:
 def separation(
     a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], *, signed: bool
 ) -> Separation:
-    """Measure as FCL does: -1 where one body is solid and they collide, unless depths are asked for of two solids.
+    """Measure the distance of two bodies by the conventions of FCL.
 
-    Two solids that only touch have 0, and so have two surfaces that meet. Faces are -1 for a solid, and for what is
-    inside one; points are zero where there are none.
+    The value is -1 if at least one body is solid and they collide. If `signed` is set and both are
+    solid, it is minus the penetration depth instead. It is 0 for two solids that only touch, and
+    for two surfaces that intersect. Faces are -1 for a solid, and for a body inside one. Points are
+    zero if there are none.
     """
     if not (a.is_mesh and b.is_mesh):
         return _of_shapes(a, b, pose_a, pose_b, signed=signed)
@@ -107,7 +110,7 @@ def separation(
 def _of_shapes(
     a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], *, signed: bool
 ) -> Separation:
-    """Measure where one body at least is no mesh."""
+    """Measure as `separation` does, if at least one body has no mesh."""
     far = impinge.distance(a.shape, b.shape, pose_a, pose_b)
     value = float(far.distance)
     if value == 0 and a.solid and b.solid:
@@ -121,26 +124,26 @@ def _of_shapes(
 
 
 def gap(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
-    """Return less than the distance of what is in two (2, 3) boxes."""
+    """Return a lower bound of the distance between the contents of two (2, 3) boxes."""
     between = np.maximum(np.maximum(a[0] - b[1], b[0] - a[1]), 0)
     return float(np.linalg.norm(between)) * (1 - _PADDING)
 
 
 def overlaps(boxes: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Which of (n, 2, 3) boxes may overlap one (2, 3) box."""
+    """Return the indices of the (n, 2, 3) boxes that may overlap one (2, 3) box."""
     apart = (boxes[:, 0] > box[1]) | (boxes[:, 1] < box[0])
     return np.flatnonzero(~apart.any(axis=1))
 
 
 def solids(a: Body, b: Body) -> Solid:
-    """Which of two bodies are solid, as the verbs take it."""
+    """Return which of two bodies are solid, as the `solid` argument of the queries."""
     if a.solid == b.solid:
         return a.solid
     return "a" if a.solid else "b"
 
 
 def collide(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64]) -> bool:
-    """Whether two bodies have a point in common."""
+    """Report whether two bodies have a point in common."""
     if not (a.is_mesh and b.is_mesh):
         return impinge.intersects(a.shape, b.shape, pose_a, pose_b) is True
     return intersects(a.mesh, b.mesh, pose_a, pose_b, solid=solids(a, b)) is True
@@ -149,17 +152,20 @@ def collide(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.fl
 def contacts(
     a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], limit: int
 ) -> NDArray[np.int64]:
-    """(k, 2) pairs of faces in contact, at most `limit`; `CONTAINED` where one is inside the other."""
+    """Return pairs of faces in contact, (k, 2), at most `limit`.
+
+    `CONTAINED` if one body is inside the other and no faces intersect.
+    """
     if not (a.is_mesh and b.is_mesh):
-        return np.full((min(limit, len(_touches(a, b, pose_a, pose_b))), 2), -1)
+        return np.full((min(limit, len(_contacts_by_depth(a, b, pose_a, pose_b))), 2), -1)
     pairs = np.asarray(intersecting_pairs(a.mesh, b.mesh, pose_a, pose_b, limit=limit).pairs).astype(np.int64)
     if len(pairs) == 0 and limit > 0 and collide(a, b, pose_a, pose_b):
         return CONTAINED
     return pairs
 
 
-def _touches(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64]) -> Contacts:
-    """Return the contacts of two bodies one of which is no mesh, the deepest first."""
+def _contacts_by_depth(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64]) -> Contacts:
+    """Return the contacts of two bodies, at least one of them without a mesh, the deepest first."""
     found = impinge.contacts(a.shape, b.shape, pose_a, pose_b)
     found = found if isinstance(found, Contacts) else found.all
     return found[np.argsort(-found.depth, kind="stable")]
@@ -168,9 +174,9 @@ def _touches(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.f
 def contact_points(
     a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], pairs: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """(k, 3) points of the world, one that each pair of `contacts` has in common."""
+    """Return a common point in the world frame for each pair of `contacts`, (k, 3)."""
     if not (a.is_mesh and b.is_mesh):
-        found = _touches(a, b, pose_a, pose_b)[: len(pairs)]
+        found = _contacts_by_depth(a, b, pose_a, pose_b)[: len(pairs)]
         middle: NDArray[np.float64] = found.point_a / 2 + found.point_b / 2
         return middle
     if np.array_equal(pairs, CONTAINED):
@@ -179,8 +185,8 @@ def contact_points(
     question = (a.mesh, b.mesh, pose_a, pose_b, False, "raise", False)
     points, coplanar = _impinge.contact_points(question, pairs.astype(np.uint32))
     for row in np.flatnonzero(coplanar):
-        on_a = _placed(a.mesh.vertices[a.mesh.faces[pairs[row, 0]]], pose_a)
-        on_b = _placed(b.mesh.vertices[b.mesh.faces[pairs[row, 1]]], pose_b)
+        on_a = _transformed(a.mesh.vertices[a.mesh.faces[pairs[row, 0]]], pose_a)
+        on_b = _transformed(b.mesh.vertices[b.mesh.faces[pairs[row, 1]]], pose_b)
         points[row] = _common_point(on_a, on_b)
     return points
 
@@ -188,13 +194,15 @@ def contact_points(
 def contact_normals(
     a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], pairs: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return unit normals from `a` to `b`, (k, 3), and depths along them, (k,), of the pairs of `contacts`.
+    """Return unit normals from `a` to `b`, (k, 3), and depths along them, (k,), for pairs of faces.
 
-    Two convex solids have one of each, the shortest way to part them. Contacts of a shape that is no mesh have their
-    own, and pairs of surfaces those of the region in which they go through each other.
+    The pairs are those of `contacts`. Two convex solids have a single normal and depth, the
+    shortest way to separate them. A contact with a shape that has no mesh has its own normal and
+    depth. Pairs of surfaces have the normal and depth of the region in which the surfaces penetrate
+    each other.
     """
     if not (a.is_mesh and b.is_mesh):
-        found = _touches(a, b, pose_a, pose_b)[: len(pairs)]
+        found = _contacts_by_depth(a, b, pose_a, pose_b)[: len(pairs)]
         return found.normal, np.maximum(found.depth, 0)
     if (a.solid and b.solid) or np.array_equal(pairs, CONTAINED):
         deep = impinge.penetration(a.shape, b.shape, pose_a, pose_b)
@@ -202,7 +210,7 @@ def contact_normals(
     return _impinge.contact_normals((a.mesh, b.mesh, pose_a, pose_b, False, "raise", False), pairs.astype(np.uint32))
 
 
-def _placed(points: NDArray[np.floating], pose: NDArray[np.float64]) -> NDArray[np.float64]:
+def _transformed(points: NDArray[np.floating], pose: NDArray[np.float64]) -> NDArray[np.float64]:
     placed: NDArray[np.float64] = points.astype(float) @ pose[:3, :3].T + pose[:3, 3]
     return placed
 
@@ -210,15 +218,18 @@ def _placed(points: NDArray[np.floating], pose: NDArray[np.float64]) -> NDArray[
 def _inner_point(
     inner: Body, outer: Body, pose_inner: NDArray[np.float64], pose_outer: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """(1, 3): a vertex of `inner`, of which a component is in the solid `outer`, that is there."""
-    placed = _placed(inner.mesh.vertices, pose_inner)
+    """Return a vertex of `inner` that lies in the solid `outer`, (1, 3), in the world frame.
+
+    At least one connected component of `inner` must be inside `outer`.
+    """
+    placed = _transformed(inner.mesh.vertices, pose_inner)
     seen_from_outer = np.linalg.solve(pose_outer[:3, :3], (placed - pose_outer[:3, 3]).T).T
     first = int(np.argmax(outer.mesh.contains(seen_from_outer)))
     return placed[first : first + 1]
 
 
 def _common_point(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a point that two triangles of one plane share: the mean corner of their overlap, rounded."""
+    """Return a common point of two coplanar triangles: the mean corner of their overlap."""
     normal = np.cross(b[1] - b[0], b[2] - b[0])
     if not normal.any():
         normal = np.cross(a[1] - a[0], a[2] - a[0])
@@ -233,7 +244,7 @@ def _common_point(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.
                 clipped.append(before + (point - before) * (lower / (lower - height)))
             if height >= 0:
                 clipped.append(point)
-        if not clipped:  # rounded away: the corner of what was left that is nearest to the edge
+        if not clipped:  # lost to rounding: use the remaining corner nearest to the edge
             clipped = [polygon[int(np.argmax(heights))]]
         polygon = clipped
     mean: NDArray[np.float64] = np.mean(polygon, axis=0)

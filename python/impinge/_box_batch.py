@@ -1,4 +1,4 @@
-"""One axis-aligned box against many, as `impinge.fit` has it."""
+"""One axis-aligned box against many, for `impinge.fit`."""
 
 from __future__ import annotations
 
@@ -14,17 +14,19 @@ from impinge._boxes import AxisBox, core_of
 
 @final
 class AabbBatch:
-    """Many boxes side by side in single precision, for the question which of them one box overlaps: eight at a time.
+    """Many boxes in single precision, tested against one box with SIMD, eight at a time.
 
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64
-        Corners; points where `high` is not given. What is no single is rounded outward.
+        Corners. Without `high`, boxes are points. Coordinates that single precision cannot
+        represent are rounded outward.
 
     Raises
     ------
     InputError
-        If a number is not in range, or an upper corner is below a lower one; it says which.
+        If a number is out of range, or if an upper corner is below a lower one; the error names the
+        entry.
 
     Examples
     --------
@@ -41,15 +43,16 @@ class AabbBatch:
         self._core = _impinge.BatchCore(*self._made_of)
 
     def overlapping(self, box: AxisBox) -> NDArray[np.uint32]:
-        """Return the rows of the boxes that overlap one, (k,), ascending: by one pass over all, 24 bytes a box.
+        """Return the rows of the boxes that overlap a box, (k,), ascending; touching counts.
 
-        Touching counts. Exact where all coordinates are singles; else boxes that are apart by less than the rounding
-        count as overlapping.
+        The test is one pass over all boxes, 24 bytes for each box. It is exact if single precision
+        represents all coordinates. Otherwise, boxes that are apart by less than the rounding count
+        as overlapping.
 
         Raises
         ------
         InputError
-            If `box` is none.
+            If `box` is not a box.
         """
         return self._core.overlapping(core_of(box, "box"))
 
@@ -58,13 +61,13 @@ class AabbBatch:
         return self._core.len()
 
     def __copy__(self) -> AabbBatch:
-        """Return the batch, which never changes."""
+        """Return the batch itself: it never changes."""
         return self
 
     def __deepcopy__(self, memo: object) -> AabbBatch:
-        """Return the batch, which never changes."""
+        """Return the batch itself: it never changes."""
         return self
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle what it was made of."""
+        """Pickle the constructor's arguments."""
         return AabbBatch, self._made_of

@@ -1,4 +1,4 @@
-"""Axis-aligned boxes in their three forms and packed, as `impinge.fit` has them."""
+"""Axis-aligned boxes of `impinge.fit` in their three forms, and in packed form."""
 
 from __future__ import annotations
 
@@ -18,15 +18,16 @@ from impinge._volumes import Numbers, Volume
 _Kind = TypeVar("_Kind")
 
 _BYTES_OF_8_BITS = 16
-"""What a packed box takes whose extents have 8 bits."""
+"""Size in bytes of a packed box with extents of 8 bits."""
 
 
 @dataclass(frozen=True, eq=False)
 class AxisBox(Volume):
-    """What the three forms of an axis-aligned box have in common: `Aabb`, `MinWidths` and `CenterRadius`.
+    """Base class of the three forms of an axis-aligned box: `Aabb`, `MinWidths`, `CenterRadius`.
 
-    A box is the closed set of real points that its numbers define. Converting, merging and moving round outward: the
-    result holds all of the exact one. Numbers are finite and below 2^320 in magnitude; a box never changes.
+    A box is the closed set of real points that its numbers define. Conversion, merging and moving
+    round outward: the result contains the exact box. Numbers are finite and below 2^320 in
+    magnitude; a box is immutable.
 
     Examples
     --------
@@ -44,7 +45,7 @@ class AxisBox(Volume):
     surface_area: float = field(init=False, repr=False)
     _core: _impinge.BoxCore = field(init=False, repr=False)
     _names: ClassVar[tuple[str, str]]
-    """The two fields that make the box, in the order of the constructor."""
+    """Names of the two fields that define the box, in the order of the constructor."""
 
     def _take(self, core: _impinge.BoxCore) -> None:
         first, second, volume, surface_area = core.columns()
@@ -61,42 +62,48 @@ class AxisBox(Volume):
         return made
 
     def to_min_max(self) -> Aabb:
-        """Return the box by its corners; those that are not known exactly are rounded outward."""
+        """Return the box by its corners; corners that are not exact are rounded outward."""
         return Aabb._of(self._core.to_min_max())
 
     def to_min_widths(self) -> MinWidths:
-        """Return the box by its least corner and its widths, which are rounded up."""
+        """Return the box by its lower corner and its widths, which are rounded up."""
         return MinWidths._of(self._core.to_min_widths())
 
     def to_center_radius(self) -> CenterRadius:
-        """Return the box by its rounded centre and half-extents that reach both corners from there, rounded up."""
+        """Return the box by its center and half-extents.
+
+        The center is rounded. The half-extents are rounded up, so that they reach both corners from
+        it.
+        """
         return CenterRadius._of(self._core.to_centre_radius())
 
     def overlaps(self, other: Self) -> bool:
-        """Whether two boxes of one form are not proved apart; touching counts.
+        """Report whether two boxes of the same form overlap; touching counts.
 
-        Exact by corners and by widths; by centres, boxes whose gap is below a unit in the last place count as
-        overlapping.
+        The test is exact for corners and for widths. Boxes by center count as overlapping if the
+        gap between them is below one unit in the last place.
 
         Raises
         ------
         InputError
-            If `other` is no box of this form.
+            If `other` is not a box of this form.
         """
         return self._core.overlaps(core_of(other))
 
     def encloses(self, other: Self) -> bool:
-        """Whether every point of another box of the same form is in this one; True only where that is proved.
+        """Report whether another box of the same form is proved to lie inside this one.
 
         Raises
         ------
         InputError
-            If `other` is no box of this form.
+            If `other` is not a box of this form.
         """
         return self._core.encloses(core_of(other))
 
     def contains(self, points: ArrayLike) -> bool | NDArray[np.bool_]:
-        """Whether points are not proved outside; what is on the boundary is inside.
+        """Report whether points are inside the box or on its boundary.
+
+        False only if the point is proved to be outside.
 
         Parameters
         ----------
@@ -106,11 +113,12 @@ class AxisBox(Volume):
         Returns
         -------
         bool or (...) bool array
+            True if the point is inside.
 
         Raises
         ------
         InputError
-            If points have another type or shape, or a number is not in range.
+            If the points have another type or shape, or if a number is out of range.
 
         Examples
         --------
@@ -121,17 +129,19 @@ class AxisBox(Volume):
         return scalar(self._core.contains(points))  # type: ignore[no-any-return]
 
     def merged(self, other: Self) -> Self:
-        """Return a box that holds this one and another of the same form; by corners exactly the least.
+        """Return a box that contains this one and another of the same form.
+
+        For boxes by corners it is exactly the smallest such box.
 
         Raises
         ------
         InputError
-            If `other` is no box of this form.
+            If `other` is not a box of this form.
         """
         return self._of(self._core.merged(core_of(other)))
 
     def moved(self, pose: ArrayLike) -> Self:
-        """Return a box of the same form that holds the image of this one under a pose.
+        """Return a box of the same form that contains the image of this one under a pose.
 
         Parameters
         ----------
@@ -141,24 +151,24 @@ class AxisBox(Volume):
         Raises
         ------
         InputError
-            If the pose is none, or the image leaves the range.
+            If the pose is invalid, or if the image is out of range.
         """
         return self._of(self._core.moved(pose))
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle the numbers."""
+        """Pickle the two fields that define the box."""
         return type(self), tuple(getattr(self, name) for name in self._names)
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class Aabb(AxisBox):
-    """An axis-aligned box by its corners: the form with the cheapest test, and with exact unions.
+    """An axis-aligned box by its corners: the form with the fastest test, and with exact unions.
 
     Attributes
     ----------
     low, high : (3,) float64 array
-        The corners with the least and the greatest coordinates.
+        Lower and upper corners.
 
     Examples
     --------
@@ -179,14 +189,14 @@ class Aabb(AxisBox):
 @final
 @dataclass(frozen=True, eq=False)
 class MinWidths(AxisBox):
-    """An axis-aligned box by its least corner and its widths: the points ``low + w`` with ``0 <= w <= widths``.
+    """An axis-aligned box by lower corner and widths: all ``low + w`` with ``0 <= w <= widths``.
 
     Attributes
     ----------
     low : (3,) float64 array
-        The corner with the least coordinates.
+        Lower corner.
     widths : (3,) float64 array
-        The lengths along the axes, at least zero.
+        Lengths along the axes, at least zero.
 
     Examples
     --------
@@ -203,12 +213,12 @@ class MinWidths(AxisBox):
         self._take(_impinge.BoxCore(self._names, low, widths))
 
     def packed(self, bits: Literal[8, 16] = 16) -> PackedMinWidths:
-        """Return a box that holds this one, in 20 bytes with widths of 16 bits, or in 16 with widths of 8.
+        """Return a box around this one in 20 bytes (16-bit widths) or 16 bytes (8-bit widths).
 
         Raises
         ------
         InputError
-            If a coordinate is beyond 2^127, or there are no such widths.
+            If a coordinate is beyond 2^127, or if `bits` is invalid.
         """
         return PackedMinWidths(self._core.packed(chosen(bits, (8, 16), "bits")))
 
@@ -216,12 +226,14 @@ class MinWidths(AxisBox):
 @final
 @dataclass(frozen=True, eq=False)
 class CenterRadius(AxisBox):
-    """An axis-aligned box by its centre and half-extents: the points ``center + e`` with ``abs(e) <= half_extents``.
+    """An axis-aligned box by center and half-extents.
+
+    It consists of the points ``center + e`` with ``abs(e) <= half_extents``.
 
     Attributes
     ----------
     center : (3,) float64 array
-        Its centre.
+        Center of the box.
     half_extents : (3,) float64 array
         Half the lengths along the axes, at least zero.
 
@@ -240,20 +252,21 @@ class CenterRadius(AxisBox):
         self._take(_impinge.BoxCore(self._names, center, half_extents))
 
     def packed(self, bits: Literal[8, 16] = 16) -> PackedCenterRadius:
-        """Return a box that holds this one, in 20 bytes with half-extents of 16 bits, or in 16 with those of 8.
+        """Return a box around this one in 20 bytes (16-bit half-extents) or 16 bytes (8-bit ones).
 
         Raises
         ------
         InputError
-            If a coordinate is beyond 2^127, or there are no such half-extents.
+            If a coordinate is beyond 2^127, or if `bits` is invalid.
         """
         return PackedCenterRadius(self._core.packed(chosen(bits, (8, 16), "bits")))
 
 
 class PackedBox:
-    """A box in single precision whose extents are small integers, times a power of two of its own.
+    """A box in single precision; its extents are small integers times a power of two per box.
 
-    It is the box that `unpacked` returns, to the bit: only packing rounds, and that outward.
+    It equals the box that `unpacked` returns, bit by bit. Only packing rounds, and it rounds
+    outward.
 
     Examples
     --------
@@ -270,12 +283,12 @@ class PackedBox:
 
     @property
     def nbytes(self) -> int:
-        """The bytes that its numbers take: 16 or 20."""
+        """Size of its numbers in bytes: 16 or 20."""
         return self._core.size()
 
     @property
     def volume(self) -> float:
-        """What it encloses, in cubic units, rounded."""
+        """Volume in cubic units, rounded."""
         volume: float = self.unpacked().volume
         return volume
 
@@ -284,19 +297,21 @@ class PackedBox:
         """Return the box in double precision, exactly."""
 
     def overlaps(self, other: Self) -> bool:
-        """Whether two boxes of one form are not proved apart; touching counts. As of those that they are, unpacked.
+        """Report whether two packed boxes of the same form overlap; touching counts.
+
+        The result is that of the unpacked boxes.
 
         Raises
         ------
         InputError
-            If `other` is no packed box of this form.
+            If `other` is not a packed box of this form.
         """
-        overlap: bool = self.unpacked().overlaps(_known(other, type(self)).unpacked())
+        overlap: bool = self.unpacked().overlaps(_checked(other, type(self)).unpacked())
         return overlap
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle what it is; packed again it is the same."""
-        return _packed_again, (self.unpacked(), 8 if self.nbytes == _BYTES_OF_8_BITS else 16)
+        """Pickle the unpacked box and the number of bits; packing it again gives the same box."""
+        return _repacked, (self.unpacked(), 8 if self.nbytes == _BYTES_OF_8_BITS else 16)
 
     def __repr__(self) -> str:
         """Return the form and the size."""
@@ -305,7 +320,7 @@ class PackedBox:
 
 @final
 class PackedMinWidths(PackedBox):
-    """A box by its least corner and its widths, packed: `MinWidths.packed` makes it."""
+    """A packed box by its lower corner and its widths; `MinWidths.packed` makes it."""
 
     __slots__ = ()
 
@@ -316,7 +331,7 @@ class PackedMinWidths(PackedBox):
 
 @final
 class PackedCenterRadius(PackedBox):
-    """A box by its centre and its half-extents, packed: `CenterRadius.packed` makes it."""
+    """A packed box by its center and its half-extents; `CenterRadius.packed` makes it."""
 
     __slots__ = ()
 
@@ -326,21 +341,21 @@ class PackedCenterRadius(PackedBox):
 
 
 def aabb_of(numbers: Numbers) -> Aabb:
-    """Return the box of its corners, as the extension has them."""
+    """Return the box whose corners the extension returned."""
     low, high = numbers[0]
     return Aabb(low, high)
 
 
 def core_of(box: object, name: str = "other") -> _impinge.BoxCore:
-    """Return what the extension has of a box in any form."""
-    return _known(box, AxisBox, name)._core
+    """Return the extension's object of a box in any form."""
+    return _checked(box, AxisBox, name)._core
 
 
-def _known(box: object, kind: type[_Kind], name: str = "other") -> _Kind:
+def _checked(box: object, kind: type[_Kind], name: str = "other") -> _Kind:
     if not isinstance(box, kind):
         raise InputError(f"must be {kind.__name__}, not {type(box).__name__}", kind="type", what=name)
     return box
 
 
-def _packed_again(box: MinWidths | CenterRadius, bits: Literal[8, 16]) -> PackedBox:
+def _repacked(box: MinWidths | CenterRadius, bits: Literal[8, 16]) -> PackedBox:
     return box.packed(bits)

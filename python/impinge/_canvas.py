@@ -1,4 +1,4 @@
-"""A small rasteriser: triangles and cords with depth, many at once in NumPy."""
+"""A small rasterizer with a depth buffer, for triangles and tubes, vectorized in NumPy."""
 
 from __future__ import annotations
 
@@ -8,27 +8,30 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 _LIGHTS = [((-0.5, 0.7, 0.8), 0.72), ((0.9, 0.2, 0.4), 0.25), ((0.0, -0.5, 0.6), 0.08)]
-"""Directions towards the lights, in the camera's frame, and their strengths."""
+"""Directions towards the lights in the camera frame, and their intensities."""
 
 _AMBIENT = 0.25
-_CHUNK = 1 << 21  # pixels that are looked at together: some 200 MB of scratch
+_CHUNK = 1 << 21  # maximum number of pixels processed together; they take about 200 MB of memory
 
 
 class Canvas:
-    """Colour and depth of (height, width) pixels; z towards the viewer."""
+    """Color and depth of (height, width) pixels; z points towards the viewer."""
 
     def __init__(self, width: int, height: int) -> None:
         self.width, self.height = width, height
         fade = np.linspace(0.0, 1.0, height)[:, None, None]
         paper = np.array([250.0, 250.0, 250.0]) * (1 - fade) + np.array([226.0, 229.0, 233.0]) * fade
-        self.colour: Floats = np.broadcast_to(paper, (height, width, 3)).reshape(-1, 3).copy()
+        self.color: Floats = np.broadcast_to(paper, (height, width, 3)).reshape(-1, 3).copy()
         self.depth: Floats = np.full(height * width, -np.inf)
 
-    def triangles(self, corners: Floats, colours: Floats) -> None:
-        """Draw (n, 3, 3) triangles, x and y in pixels, each in its own colour, lit from both sides alike."""
+    def triangles(self, corners: Floats, colors: Floats) -> None:
+        """Draw (n, 3, 3) triangles, each with its own color; x and y are in pixels.
+
+        Both sides are lit in the same way.
+        """
         across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         across[:, 1] *= -1  # y runs down in pixels
-        colours = shade(across, colours)
+        colors = shade(across, colors)
         low = np.floor(corners[:, :, :2].min(axis=1)).astype(np.int64)
         high = np.ceil(corners[:, :, :2].max(axis=1)).astype(np.int64)
         low, high = np.maximum(low, 0), np.minimum(high, [self.width, self.height])
@@ -40,11 +43,11 @@ class Canvas:
             step = max(1, _CHUNK // (edge * edge))
             for start in range(0, len(chosen), step):
                 part = chosen[start : start + step]
-                self._fill(corners[part], colours[part], low[part], edge)
+                self._fill(corners[part], colors[part], low[part], edge)
             edge *= 2
 
-    def _fill(self, p: Floats, colours: Floats, low: NDArray[np.int64], edge: int) -> None:
-        """Triangles within boxes of one size."""
+    def _fill(self, p: Floats, colors: Floats, low: NDArray[np.int64], edge: int) -> None:
+        """Draw triangles whose boxes fit into squares of `edge` pixels."""
         steps = np.arange(edge)
         x, y = low[:, 0, None, None] + steps, low[:, 1, None, None] + steps[:, None]
         across = p[:, :, :2] - p[:, :1, :2]
@@ -59,10 +62,10 @@ class Canvas:
         inside = (b >= 0) & (c >= 0) & (b + c <= 1) & (x < self.width) & (y < self.height) & ~flat[:, None, None]
         which, row, column = np.nonzero(inside)
         place = (low[which, 1] + row) * self.width + low[which, 0] + column
-        self._put(place, depth[inside], colours[which])
+        self._put(place, depth[inside], colors[which])
 
-    def cord(self, points: Floats, radius: float, colour: Floats) -> None:
-        """Draw a round cord along (n, 3) points, in front of surfaces that it lies on."""
+    def tube(self, points: Floats, radius: float, color: Floats) -> None:
+        """Draw a round tube along (n, 3) points, in front of the surfaces that it lies on."""
         lengths = np.hypot(*np.diff(points[:, :2], axis=0).T)
         counts = np.maximum(np.ceil(1.5 * lengths), 1).astype(int)
         share = [np.arange(count) / count for count in counts]
@@ -74,39 +77,39 @@ class Canvas:
         disc = dx * dx + dy * dy <= radius * radius
         dx, dy = dx[disc], dy[disc]
         rise = np.sqrt(radius * radius - dx * dx - dy * dy)
-        colours = shade(np.stack([dx, -dy, rise], axis=-1), np.broadcast_to(colour, (len(dx), 3)), ambient=0.6)
+        colors = shade(np.stack([dx, -dy, rise], axis=-1), np.broadcast_to(color, (len(dx), 3)), ambient=0.6)
         for start in range(0, len(at), step := max(1, _CHUNK // len(dx))):
             part = at[start : start + step]
             x, y = (part[:, k, None].astype(int) + d for k, d in ((0, dx), (1, dy)))
             kept = (x >= 0) & (x < self.width) & (y >= 0) & (y < self.height)
             depth = part[:, 2, None] + 2 * radius + rise
-            self._put((y * self.width + x)[kept], depth[kept], np.broadcast_to(colours, (*x.shape, 3))[kept])
+            self._put((y * self.width + x)[kept], depth[kept], np.broadcast_to(colors, (*x.shape, 3))[kept])
 
-    def veil(self, front: Canvas, opacity: float) -> None:
-        """Lay another canvas over this one, see-through, where it is nearer."""
-        nearer = front.depth > self.depth
-        self.colour[nearer] = opacity * front.colour[nearer] + (1 - opacity) * self.colour[nearer]
-        self.depth[nearer] = front.depth[nearer]
+    def blend(self, other: Canvas, opacity: float) -> None:
+        """Blend another canvas over this one at the pixels at which it is nearer."""
+        nearer = other.depth > self.depth
+        self.color[nearer] = opacity * other.color[nearer] + (1 - opacity) * self.color[nearer]
+        self.depth[nearer] = other.depth[nearer]
 
     def pixels(self, samples: int) -> NDArray[np.uint8]:
-        """Return (height / samples, width / samples, 3) colours, means of `samples` squared."""
+        """Return (height / samples, width / samples, 3) colors, means of samples^2 pixels."""
         size = (self.height // samples, samples, self.width // samples, samples, 3)
-        means: Floats = self.colour.reshape(size).mean(axis=(1, 3))
+        means: Floats = self.color.reshape(size).mean(axis=(1, 3))
         return np.clip(means, 0, 255).astype(np.uint8)
 
-    def _put(self, place: NDArray[np.int64], depth: Floats, colours: Floats) -> None:
+    def _put(self, place: NDArray[np.int64], depth: Floats, colors: Floats) -> None:
         nearer = np.flatnonzero(depth > self.depth[place])
-        order = nearer[np.argsort(depth[nearer], kind="stable")]  # where places repeat, the last one stays
+        order = nearer[np.argsort(depth[nearer], kind="stable")]  # the last write to a repeated pixel remains
         self.depth[place[order]] = depth[order]
-        self.colour[place[order]] = colours[order]
+        self.color[place[order]] = colors[order]
 
 
-def shade(normals: Floats, colours: Floats, ambient: float = _AMBIENT) -> Floats:
-    """Lambert's law for (n, 3) normals of any length, turned to the viewer."""
+def shade(normals: Floats, colors: Floats, ambient: float = _AMBIENT) -> Floats:
+    """Return colors lit by Lambert's law; (n, 3) normals of any length face the viewer."""
     normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     normals = np.where(normals[:, 2:] < 0, -normals, normals)
     light = np.full(len(normals), ambient)
     for direction, strength in _LIGHTS:
         light += strength * np.maximum(normals @ (np.array(direction) / np.linalg.norm(direction)), 0)
-    lit: Floats = colours * np.minimum(light, 1.1)[:, None]
+    lit: Floats = colors * np.minimum(light, 1.1)[:, None]
     return lit

@@ -1,4 +1,4 @@
-"""Rigged characters: hit volumes fitted to their parts, and the part that was struck."""
+"""Rigged characters: hit volumes that are fitted to their parts."""
 
 from __future__ import annotations
 
@@ -15,20 +15,21 @@ from impinge import _impinge
 from impinge._arrays import plain_points
 from impinge._character_pose import CharacterPose
 from impinge._errors import InputError
-from impinge._scalars import MOST, chosen, path_of, real, whole
+from impinge._scalars import MAX_COUNT, chosen, path_of, real, whole
 from impinge._shape import Shape
 
 
 @dataclass(frozen=True)
 class Animation:
-    """A motion of a character.
+    """An animation of a character.
 
     Attributes
     ----------
     name : str
-        As in the file; may be empty.
+        Name in the file; may be empty.
     start, end : float
-        The times of its first and last keys, in seconds; before and after it stands still.
+        Times of the first and the last key, in seconds. The character does not move before and
+        after.
     """
 
     name: str
@@ -38,23 +39,24 @@ class Animation:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A part of a character with its volume: all within `radius` of the convex hull of `points`.
+    """A part of a character with its volume: all points within `radius` of the hull of `points`.
 
     Attributes
     ----------
     name : str
-        After its bones, or after its place where these have no names.
+        Derived from the names of its bones, or from its index if they have none.
     bones : tuple of str
-        The bones whose faces it has.
+        Bones whose faces belong to the part.
     bone : int
-        The number of the bone that the volume is fixed to.
+        Index of the bone that the volume is fixed to.
     kind : {"sphere", "capsule", "box", "lozenge", "hull"}
-        What the volume is: of one point, of two, of the eight corners of a box, of the four of a rectangle, or of more.
+        Kind of volume, by its `points`: one point, two points, the eight corners of a box, the four
+        corners of a rectangle, or more points.
     looseness : float
-        The area of the volume in areas of a convex hull about what it was fitted to: 1 is as tight as convex volumes
-        are.
+        Area of the volume, divided by the area of the convex hull of the points it was fitted to. 1
+        is the minimum for convex volumes.
     points : (k, 3) float64 array
-        In the frame of the bone (`CharacterPose.frames`).
+        In the frame of the bone (see `CharacterPose.frames`).
     radius : float
         In the unit of the file, at least zero.
     """
@@ -74,14 +76,16 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Leaks:
-    """What of each part's surface is outside of all volumes, over some hundred poses of all animations.
+    """Share of each part's surface outside of all volumes, in samples of all animations.
+
+    Some hundred poses of all animations are sampled.
 
     Attributes
     ----------
     share : (p,) float64 array
-        The share of the part's vertices.
+        Share of the part's vertices that are outside.
     farthest : (p,) float64 array
-        How far the farthest is outside, in the unit of the file.
+        Maximum distance of a vertex outside, in the unit of the file.
     """
 
     share: NDArray[np.float64]
@@ -90,40 +94,42 @@ class Leaks:
 
 @final
 class Character:
-    """The hit volumes of a rigged character: a sphere for the head, pills for the limbs, a box for the torso.
+    """Hit volumes of a rigged character, such as a sphere for the head and capsules for limbs.
 
     Parameters
     ----------
     path : str or os.PathLike
         A rigged glTF or GLB file.
     volumes : int
-        At most so many parts, at least one.
+        Maximum number of parts, at least one.
     mode : {"conservative", "snug"}
-        Whether no point of the skinned surface is outside at rest and at any time of any animation of the file, or the
-        outermost twentieth of a part's vertices may stick out, so that strikes hit what looks hit.
+        ``"conservative"`` volumes contain the whole skinned surface, at rest and at any time of any
+        animation in the file. ``"snug"`` volumes may leave out the outermost 5 % of a part's
+        vertices, so that hits look more accurate.
     plan : str or os.PathLike, optional
-        A file, as `save` writes it and as people edit it, that says which bones make a part, its name and its kind;
-        what it leaves out is chosen. In place of `volumes`.
+        A text file, as written by `save` and edited, with the bones, the name and the kind of each
+        part. Missing entries are chosen automatically. Replaces `volumes`.
     pieces : int, optional
-        Rays that enter a volume go on to hulls about at most so many faces each, so that what they strike is what they
-        would strike on the surface far more often.
+        Maximum size of the groups of faces that hulls are built around, inside each volume. If
+        given, a ray that enters a volume must also hit one of these hulls, so that hits agree with
+        the surface far more often.
 
     Raises
     ------
     OSError
         If a file cannot be read.
     InputError
-        If its content is broken, or no rig: it names the node or the accessor.
+        If the content is invalid or not a rig; the error names the node or the accessor.
 
     Notes
     -----
-    A character never changes, so a copy (`copy.copy`, `copy.deepcopy`) is itself. It pickles by the path of its file
-    and the text that `save` writes: where it is loaded the file has to be there, and to hold the same character, which
-    is checked; nothing is fitted again.
+    A character is immutable, so a copy (`copy.copy`, `copy.deepcopy`) is the character itself. It
+    pickles the path of its file and the text that `save` writes. Unpickling reads the file again
+    and checks that it still contains the same character; nothing is fitted again.
 
     Examples
     --------
-    What a ray strikes half a second into a walk::
+    Find the part that a ray hits, half a second into a walk::
 
         robot = impinge.Character("robot.glb")
         walking = robot.at("Robot_Walking", 0.5)
@@ -142,20 +148,20 @@ class Character:
         plan: str | os.PathLike[str] | None = None,
         pieces: int | None = None,
     ) -> None:
-        self._open(path, (whole(volumes, "volumes", least=1), mode, plan, None, pieces))
+        self._open(path, (whole(volumes, "volumes", minimum=1), mode, plan, None, pieces))
 
     @classmethod
     def load(
         cls, path: str | os.PathLike[str], fitted: str | os.PathLike[str], *, pieces: int | None = None
     ) -> Character:
-        """Return a character with the volumes that `save` wrote, to the last bit, without fitting anything.
+        """Return a character with the volumes that `save` wrote, bitwise equal, without fitting.
 
         Parameters
         ----------
         path : str or os.PathLike
             The rigged file.
         fitted : str or os.PathLike
-            What `save` wrote, perhaps edited.
+            A file that `save` wrote, perhaps edited.
         pieces : int, optional
             As for `Character`.
 
@@ -164,7 +170,7 @@ class Character:
         OSError
             If a file cannot be read.
         InputError
-            If its content is broken, or names what the rig has not.
+            If the content is invalid, or refers to bones that the rig does not have.
         """
         character = cls.__new__(cls)
         character._open(path, (1, "conservative", None, fitted, pieces))
@@ -173,7 +179,7 @@ class Character:
     def _open(self, path: str | os.PathLike[str], options: tuple[Any, ...]) -> None:
         volumes, mode, plan, fitted, pieces = options
         chosen(mode, ("conservative", "snug"), "mode")
-        path, pieces = path_of(path, "path"), None if pieces is None else whole(pieces, "pieces", least=1)
+        path, pieces = path_of(path, "path"), None if pieces is None else whole(pieces, "pieces", minimum=1)
         plan = None if plan is None else path_of(plan, "plan")
         fitted = None if fitted is None else path_of(fitted, "fitted")
         self._take(_impinge.CharacterCore(path, volumes, mode, plan, fitted, pieces), path, pieces)
@@ -189,36 +195,36 @@ class Character:
 
     @property
     def parts(self) -> tuple[Part, ...]:
-        """The parts, in the order of their first bones."""
+        """Parts, in the order of their first bones."""
         return self._parts
 
     @property
     def animations(self) -> tuple[Animation, ...]:
-        """The animations of the file."""
+        """Animations of the file."""
         return self._animations
 
     @property
     def bones(self) -> tuple[str, ...]:
-        """The names of the bones."""
+        """Names of the bones."""
         return tuple(self._core.bones())
 
     @property
     def faces(self) -> NDArray[np.uint32]:
-        """(m, 3) faces of the skin, of `CharacterPose.vertices`."""
+        """Faces of the skin (m, 3), as indices into `CharacterPose.vertices`."""
         return self._core.faces()[0]
 
     @property
     def part_of(self) -> NDArray[np.uint32]:
-        """(m,) the part of each face."""
+        """Index of the part of each face, (m,)."""
         return self._core.faces()[1]
 
     def leaks(self) -> Leaks:
-        """Return what of each part's surface is outside of all volumes; nothing for conservative ones."""
+        """Measure the share of each part's surface outside of all volumes; 0 if conservative."""
         share, farthest = self._core.leaks()
         return Leaks(np.array(share), np.array(farthest))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the parts and their volumes to a text file, to be loaded or edited.
+        """Write the parts and their volumes to a text file, which can be edited and loaded.
 
         Raises
         ------
@@ -235,51 +241,52 @@ class Character:
         Parameters
         ----------
         animation : str or int, optional
-            Its name or its number; at rest without.
+            Name or index of the animation. Without it, the character is at rest.
         time : float
-            In seconds; at the nearer end where it is outside of the animation.
+            In seconds. A time outside of the animation gives the pose at the nearer end.
         origin : (3,) array_like of float32 or float64
-            Where in the world the origin of the file is.
+            Position in the world of the origin of the file.
 
         Returns
         -------
         CharacterPose
-            It answers what is struck.
+            The pose, which finds hits on the character.
 
         Raises
         ------
         InputError
-            If there is no such animation, or a number is not finite.
+            If there is no such animation, or if a number is not finite.
         """
         at = None if animation is None else self._number(animation)
         place = plain_points(origin, "origin")
         if place.shape != (3,) or not (np.abs(place) < 2.0**128).all():
-            raise InputError("a point of the world is expected, (3,), below 2^128", kind="shape", what="origin")
+            message = "must be a finite (3,) point of the world, below 2^128 in magnitude"
+            raise InputError(message, kind="shape", what="origin")
         seconds = real(time, "time")
         if np.isinf(seconds):
             raise InputError(f"{seconds} is not finite", kind="non-finite", what="time")
-        asked = at, seconds, place.tolist()
-        return CharacterPose(self, self._core.pose(*asked), asked)
+        arguments = at, seconds, place.tolist()
+        return CharacterPose(self, self._core.pose(*arguments), arguments)
 
     def _shapes(self) -> list[Shape]:
-        """Return the parts as shapes of bodies, which stand where `PosedCore.body_poses` says."""
+        """Return the parts as shapes of bodies; `PosedCore.body_poses` returns their poses."""
         rows = self._core.shapes()
         for _, points, _ in rows:
             points.setflags(write=False)
         return [Shape._of(kind, points if len(points) else None, numbers) for kind, points, numbers in rows]
 
     def _fingerprint(self) -> int:
-        """Return a checksum of what the file holds: skin, bones, and where they are at rest and in each animation."""
+        """Return a checksum of the skin, the bones, and the poses at rest and in each animation."""
         posed = [self.at()] + [self.at(at, (one.start + one.end) / 2) for at, one in enumerate(self._animations)]
         parts = [repr((self.bones, self._animations)).encode(), self.faces.tobytes(), posed[0].vertices.tobytes()]
         return zlib.crc32(b"".join(parts + [pose.frames.tobytes() for pose in posed]))
 
     def __copy__(self) -> Character:
-        """Return the character, which never changes."""
+        """Return the character itself: it never changes."""
         return self
 
     def __deepcopy__(self, memo: object) -> Character:
-        """Return the character, which never changes."""
+        """Return the character itself: it never changes."""
         return self
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -289,7 +296,7 @@ class Character:
     def _number(self, animation: str | int) -> int:
         names = [known.name for known in self._animations]
         if not isinstance(animation, str):
-            animation = whole(animation, "animation", least=-MOST)
+            animation = whole(animation, "animation", minimum=-MAX_COUNT)
             if 0 <= animation < len(names):
                 return animation
         elif animation in names:
@@ -307,6 +314,6 @@ def _reopened(path: str, text: str, pieces: int | None, fingerprint: int) -> Cha
     character = Character.__new__(Character)
     character._take(_impinge.CharacterCore.reopened(path, text, pieces), path, pieces)
     if character._fingerprint() != fingerprint:
-        message = "the file does not hold the character that was pickled"
-        raise InputError(message, kind="changed", what=path, hint="pickle it anew, from the file as it is now")
+        message = "the file has changed since the character was pickled"
+        raise InputError(message, kind="changed", what=path, hint="load the file and pickle the character again")
     return character

@@ -1,4 +1,4 @@
-"""A character in one pose: which of its parts rays, punches, shapes, meshes and other characters strike."""
+"""A character in one pose: the parts that rays, punches, shapes and other characters hit."""
 
 from __future__ import annotations
 
@@ -21,25 +21,27 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class PartHit:
-    """Parts that were struck; numbers where a single ray was cast.
+    """Parts of a character that were hit; plain numbers for a single ray.
 
     Attributes
     ----------
     hit : bool or (...) bool array
-        Whether a part was struck.
+        Whether a part was hit.
     part : int or (...) int64 array
-        Which, as an index into `Character.parts`; -1 where none was.
+        Part that was hit, as an index into `Character.parts`; -1 if there was no hit.
     bone : int or (...) int64 array
-        The number of the bone that its volume is fixed to; -1 where none was.
+        Index of the bone that the part's volume is fixed to; -1 if there was no hit.
     t : float or (...) float64 array
-        When: for a ray in units of the direction's length, for a punch from 0 to 1 and never later than the true first
-        contact, for all else zero; infinite where nothing was struck.
+        Time of the hit. For a ray, its parameter in units of the direction's length. For a punch, a
+        time from 0 to 1 that is never later than the true first contact. Otherwise zero. Infinite
+        if there was no hit.
     point : (..., 3) float64 array
-        Where, in the world frame, rounded.
+        Point of the hit in the world frame, rounded.
     normal : (..., 3) float64 array
-        Of length 1, in the world frame: out of the part for a ray, from what struck it into the part for all else.
+        Unit vector in the world frame: out of the part for a ray, otherwise from the striking shape
+        into the part.
     depth : float or (...) float64 array
-        How much of the ray is inside, or how deep the two are in each other, in world units.
+        Length of the ray inside the volume, or penetration depth, in world units.
     """
 
     hit: bool | NDArray[np.bool_]
@@ -53,22 +55,24 @@ class PartHit:
 
 @dataclass(frozen=True, eq=False)
 class SurfaceHit:
-    """Where rays meet the skinned surface; numbers where a single ray was cast.
+    """Hits of rays on the skinned surface; plain numbers for a single ray.
 
     Attributes
     ----------
     hit : bool or (...) bool array
-        Whether the surface is met.
+        Whether the ray hits the surface.
     part : int or (...) int64 array
-        The part of the face, as an index into `Character.parts`; -1 where none is met.
+        Part of the face, as an index into `Character.parts`; -1 if the ray misses.
     bone : int or (...) int64 array
-        The number of the bone that the face's corners follow most; -1 where none is met.
+        Index of the bone with the greatest weight on the face's corners; -1 if the ray misses.
     face : int or (...) int64 array
-        The face, as an index into `Character.faces`; of several in one point the first, -1 where none is met.
+        Face, as an index into `Character.faces`, the first if several are hit in one point; -1 if
+        the ray misses.
     t : float or (...) float64 array
-        In units of the direction's length, within 2^-40 of itself of the true one; infinite where nothing is met.
+        Ray parameter of the hit, in units of the direction's length, with a relative error of at
+        most 2^-40; infinite if the ray misses.
     point : (..., 3) float64 array
-        Where, in the world frame, rounded.
+        Point of the hit in the world frame, rounded.
     """
 
     hit: bool | NDArray[np.bool_]
@@ -81,15 +85,16 @@ class SurfaceHit:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PartHits(Ragged[PartHit]):
-    """All parts that each of many rays strikes, one ray's hits after another's.
+    """All parts that each of many rays hits, concatenated ray by ray.
 
     Attributes
     ----------
     offsets : (n + 1,) int64 array
-        The hits of ray ``i``, in row-major order of the leading axes, are those from ``offsets[i]`` to
-        ``offsets[i + 1]``; for each ray in the order in which it enters the volumes.
+        Start of each ray's hits: the hits of ray ``i``, in row-major order of the leading axes, go
+        from ``offsets[i]`` to ``offsets[i + 1]``. They are in the order in which the ray enters the
+        volumes.
     all : PartHit
-        Those of all rays.
+        The hits of all rays.
     shape : tuple of int
         The leading axes of the rays; their product is ``n``.
     """
@@ -111,18 +116,18 @@ class PartHits(Ragged[PartHit]):
 
 @dataclass(frozen=True, eq=False)
 class PartPairs:
-    """Parts of two characters that meet.
+    """Pairs of intersecting parts of two characters.
 
     Attributes
     ----------
     part_a, part_b : (k,) int64 array
-        The parts of either character, as indices into `Character.parts`; sorted.
+        Part of the first and of the second character, as indices into `Character.parts`; sorted.
     point : (k, 3) float64 array
-        Where, in the world frame, rounded.
+        Point of contact in the world frame, rounded.
     normal : (k, 3) float64 array
-        Of length 1, from the first to the second, in the world frame.
+        Unit vector from the first part to the second, in the world frame.
     depth : (k,) float64 array
-        How deep they are in each other, in world units.
+        Penetration depth, in world units.
     """
 
     part_a: NDArray[np.int64]
@@ -134,20 +139,20 @@ class PartPairs:
 
 _COLUMNS = ("part", "bone", "t", "point", "normal", "depth")
 
-_PUNCHES = ("sphere", "capsule", "box", "triangle", "hull")
-"""The kinds of shapes that may strike on the way."""
+_STRIKING_KINDS = ("sphere", "capsule", "box", "triangle", "hull")
+"""Kinds of shapes that `CharacterPose.strikes` accepts."""
 
 
 @final
 class CharacterPose:
-    """A character at a time of an animation: what `Character.at` returns."""
+    """A character at one time of an animation, as returned by `Character.at`."""
 
-    __slots__ = ("_asked", "_character", "_core")
+    __slots__ = ("_arguments", "_character", "_core")
 
     def __init__(
-        self, character: Character, core: _impinge.PosedCore, asked: tuple[int | None, float, list[float]]
+        self, character: Character, core: _impinge.PosedCore, arguments: tuple[int | None, float, list[float]]
     ) -> None:
-        self._character, self._core, self._asked = character, core, asked
+        self._character, self._core, self._arguments = character, core, arguments
 
     @property
     def character(self) -> Character:
@@ -156,55 +161,56 @@ class CharacterPose:
 
     @property
     def frames(self) -> NDArray[np.float64]:
-        """(p, 4, 4) world from the frame of each part's volume, rigid."""
+        """Rigid poses (p, 4, 4), world from the frame of each part's volume."""
         return self._core.frames()
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """(2, 3) lower and upper corner of a box in the world that holds all volumes."""
+        """Corners (2, 3), lower and upper, of a box in the world frame around all volumes."""
         return np.array(self._core.bounds())
 
     @property
     def vertices(self) -> NDArray[np.float64]:
-        """(n, 3) vertices of the skinned surface, in the world; computed anew each time."""
+        """Vertices (n, 3) of the skinned surface in the world frame; computed at each access."""
         return self._core.vertices()
 
     def mesh(self) -> Mesh:
-        """Return the skinned surface as a mesh in the world, for questions to the surface itself.
+        """Return the skinned surface as a mesh in the world frame, for queries on the surface.
 
-        For many poses make one, and `Mesh.refit` it to the `vertices` of the next.
+        For many poses, make one mesh and `Mesh.refit` it to the `vertices` of each pose.
         """
         return Mesh(self.vertices, self._character.faces)
 
     def ray_cast(self, origins: ArrayLike, directions: ArrayLike) -> PartHit:
-        """Return the part whose volume each ray enters first. No volume that a ray meets is missed.
+        """Return the part whose volume each ray enters first; no volume on its way is missed.
 
         Parameters
         ----------
         origins : (..., 3) array_like of float32 or float64
             In the world frame, below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
-            Of any length below 2^300 but zero. The leading axes of both broadcast as in NumPy.
+            Of any nonzero length below 2^300. The leading axes of both broadcast as in NumPy.
 
         Returns
         -------
         PartHit
-            Its fields have the leading axes.
+            The fields have the leading axes.
 
         Raises
         ------
         InputError
-            If a number is not in range or a direction is zero; it says which.
+            If a number is out of range or a direction is zero; the error names the entry.
         """
         hit, columns = self._core.ray_cast(origins, directions)
         part, bone, t, point, normal, depth = columns
         return PartHit(scalar(hit), scalar(part), scalar(bone), scalar(t), point, normal, scalar(depth))
 
     def surface_ray_cast(self, origins: ArrayLike, directions: ArrayLike) -> SurfaceHit:
-        """Return the part whose skin each ray truly meets first: what `mesh` says, without skinning all of it.
+        """Return the part whose skin each ray hits first, without skinning the whole surface.
 
-        Nothing is skinned but the faces that a ray comes near, so that a few rays cost some microseconds. Where
-        surfaces are soft, this is what tells parts apart: volumes reach over their neighbours there.
+        The result equals that of a ray cast on `mesh`. Only faces near the rays are skinned, so a
+        few rays take a few microseconds. Use this method for soft surfaces, whose volumes reach
+        over the neighboring parts.
 
         Parameters
         ----------
@@ -214,7 +220,8 @@ class CharacterPose:
         Returns
         -------
         SurfaceHit
-            Its fields have the leading axes. Whether faces are met, and which first, is decided exactly.
+            The fields have the leading axes. Whether a face is hit, and which face is hit first, is
+            decided exactly.
 
         Raises
         ------
@@ -223,7 +230,7 @@ class CharacterPose:
 
         Examples
         --------
-        The part that a bullet truly struck, and the face of the file::
+        Find the part and the face of the file that a bullet hits::
 
             walking = robot.at("Robot_Walking", 0.5)
             hit = walking.surface_ray_cast([0, 4, 9], [0, 0, -1])
@@ -233,7 +240,7 @@ class CharacterPose:
         return SurfaceHit(scalar(hit), scalar(part), scalar(bone), scalar(face), scalar(t), point)
 
     def ray_cast_all(self, origins: ArrayLike, directions: ArrayLike) -> PartHit | PartHits:
-        """Return all parts whose volumes each ray meets, in the order in which it enters them.
+        """Return all parts whose volumes each ray hits, in the order in which it enters them.
 
         Parameters
         ----------
@@ -243,7 +250,8 @@ class CharacterPose:
         Returns
         -------
         PartHit or PartHits
-            For a single ray a `PartHit` with as many entries as there are hits.
+            For a single ray a `PartHit` with one entry for each hit; `PartHits` if there are
+            leading axes.
 
         Raises
         ------
@@ -255,80 +263,83 @@ class CharacterPose:
         return PartHits(offsets, hits, tuple(shape)) if shape else hits
 
     def struck_by(self, shape: AnyShape, pose: ArrayLike | None = None) -> PartHit:
-        """Return all parts that a shape meets, or that the surface of a mesh comes into; in their order.
+        """Return all parts that a shape, or the surface of a mesh, intersects; in order of index.
 
         Parameters
         ----------
         shape : Shape or Mesh
-            What strikes.
+            The striking shape.
         pose : (4, 4) array_like of float32 or float64, optional
             World from shape.
 
         Returns
         -------
         PartHit
-            With as many entries as there are parts struck.
+            One entry for each part that is hit.
 
         Raises
         ------
         InputError
-            If an argument is none of the above.
+            If an argument is invalid.
         """
         return _part_hits(self._core.struck_by(shape, pose))
 
     def struck_by_character(self, other: CharacterPose) -> PartPairs:
-        """Return all pairs of parts, of this character and of another, that meet.
+        """Return all intersecting pairs of a part of this character and a part of another one.
 
         Parameters
         ----------
         other : CharacterPose
-            Of the same character or of another.
+            A pose of the same character or of another one.
 
         Raises
         ------
         InputError
-            If it is something else.
+            If `other` is not a `CharacterPose`.
         """
-        _known(other, "other")
+        _check_pose(other, "other")
         return PartPairs(*self._core.struck_by_character(other._core))
 
     def strikes(self, to: CharacterPose, shape: Shape, pose_t0: ArrayLike | None, pose_t1: ArrayLike | None) -> PartHit:
-        """Return all parts that a shape strikes while it moves and the character goes on to another pose.
+        """Return all parts that a moving shape hits while the character goes on to another pose.
 
-        A punch between two frames, however fast: nothing is passed through. Frames and shape move evenly along lines
-        and turn evenly by the least angle.
+        No hit is missed, however fast the shape moves between two frames. The bones' frames and the
+        shape move along lines at constant velocity, and rotate by the smallest angle at constant
+        angular velocity.
 
         Parameters
         ----------
         to : CharacterPose
-            The character at the end of the time.
+            The character at time 1.
         shape : Shape
             A sphere, capsule, box, triangle or hull.
         pose_t0, pose_t1 : (4, 4) array_like of float32 or float64, or None
-            World from shape at both ends, rigid within 1e-4.
+            World from shape at times 0 and 1, rigid within 1e-4. None is the identity.
 
         Returns
         -------
         PartHit
-            With an entry for each part struck, by `t`, then in the order of the parts.
+            One entry for each part that is hit, sorted by `t`, then by index.
 
         Raises
         ------
         InputError
-            If an argument is none of the above.
+            If an argument is invalid.
 
         Examples
         --------
-        A fist that is through within one frame::
+        Hit with a fist that passes through the character within one frame::
 
             fist = impinge.Shape.sphere(0.1)
             before, after = robot.at("Robot_Idle", 0.30), robot.at("Robot_Idle", 0.35)
             before.strikes(after, fist, impinge.pose([0, 2, 9]), impinge.pose([0, 2, -9]))
         """
-        _known(to, "to")
-        if not isinstance(shape, Shape) or shape.kind not in _PUNCHES:
+        _check_pose(to, "to")
+        if not isinstance(shape, Shape) or shape.kind not in _STRIKING_KINDS:
             kind = shape.kind if isinstance(shape, Shape) else type(shape).__name__
-            message = f"must be a Shape that is a {', '.join(_PUNCHES[:-1])} or {_PUNCHES[-1]}, not {kind}"
+            message = (
+                f"must be a Shape that is a {', '.join(_STRIKING_KINDS[:-1])} or {_STRIKING_KINDS[-1]}, not {kind}"
+            )
             raise InputError(message, kind="type", what="shape")
         return _part_hits(self._core.strikes(to._core, _swept(shape), pose_t0, pose_t1))
 
@@ -337,24 +348,27 @@ class CharacterPose:
         return f"CharacterPose({self._character!r})"
 
     def __copy__(self) -> CharacterPose:
-        """Return the pose, which never changes."""
+        """Return the pose itself: it never changes."""
         return self
 
     def __deepcopy__(self, memo: object) -> CharacterPose:
-        """Return the pose, which never changes."""
+        """Return the pose itself: it never changes."""
         return self
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle the character, and when and where it is; poses that are pickled together share it."""
-        return _posed_again, (self._character, *self._asked)
+        """Pickle the character, the animation, the time and the origin.
+
+        Poses that are pickled together share the character.
+        """
+        return _restored, (self._character, *self._arguments)
 
 
-def _posed_again(character: Character, animation: int | None, time: float, origin: list[float]) -> CharacterPose:
+def _restored(character: Character, animation: int | None, time: float, origin: list[float]) -> CharacterPose:
     return character.at(animation, time, origin=origin)
 
 
 def _swept(shape: Shape) -> tuple[str, NDArray[np.float64], float]:
-    """Return kind, points and radius: the shape is all within the radius of the points' hull."""
+    """Return the kind, points and radius of a shape: all within the radius of the points' hull."""
     kind, source, numbers = shape._made_of
     if kind == "box":
         signs = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
@@ -367,7 +381,7 @@ def _part_hits(columns: Any) -> PartHit:
     return PartHit(np.ones(len(part), bool), part, bone, t, point, normal, depth)
 
 
-def _known(pose: object, name: str) -> None:
+def _check_pose(pose: object, name: str) -> None:
     if not isinstance(pose, CharacterPose):
-        message = f"must be what Character.at() returned, not {type(pose).__name__}"
+        message = f"must be a CharacterPose, the result of Character.at(), not {type(pose).__name__}"
         raise InputError(message, kind="type", what=name)

@@ -13,7 +13,8 @@ _NO_ANSWER = 2
 def main() -> int:
     """Run the command with the arguments of this process and return its exit code.
 
-    The exit code is 0 for "clear", 1 for "collision" and 2 for no answer. An interrupt ends the process with 2.
+    The exit code is 0 for "clear", 1 for "collision" and 2 for no answer. An interrupt ends the
+    process with 2.
     """
     for stream in (sys.stdout, sys.stderr):
         if stream is not None:

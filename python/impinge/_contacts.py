@@ -1,4 +1,4 @@
-"""Where two meshes or shapes touch or overlap, as a solver of contacts wants it."""
+"""Contacts of two meshes or shapes that touch or overlap, as input for a contact solver."""
 
 from __future__ import annotations
 
@@ -10,33 +10,33 @@ from numpy.typing import NDArray
 
 from impinge import _impinge
 from impinge._ragged import Ragged
-from impinge._rows import Pose, Raising, Solid, Stating, Statuses, beside_status
+from impinge._rows import Pose, RaiseOptions, Solid, Statuses, StatusOptions, with_status
 from impinge._scalars import real, whole
 from impinge._shape import AnyShape
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contacts:
-    """The contacts of two shapes, one a row: a point of each, one over the other along a normal.
+    """Contacts of two shapes, one for each row: a point on either shape, and a common normal.
 
     Attributes
     ----------
     normal : (k, 3) float64 array
-        Of length 1, from the first shape to the second, in the world frame.
+        Unit vectors from the first shape to the second, in the world frame.
     depth : (k,) float64 array
-        `upper`.
+        Equal to `upper`.
     lower, upper : (k,) float64 array
-        Along the normal the first shape reaches beyond the second here by at least and at most this, in world units.
-        Negative where they are apart here, as they may be where a margin was asked for. Infinite for two half-spaces
-        that no motion takes apart.
+        Bounds of the penetration depth at this contact along the normal, in world units. Negative
+        if the shapes are apart here, which requires a positive margin. Infinite for two half-spaces
+        that no motion separates.
     point_a, point_b : (k, 3) float64 array
-        On the side of either shape, in the world frame, rounded.
+        Points on the first and on the second shape, in the world frame, rounded.
     manifold : (k,) int64 array
-        Contacts with one number have one normal; numbered from zero.
+        Number of the manifold, from zero. All contacts of one manifold have the same normal.
     ids : (k, 2, 4) uint32 array
-        What the contact is of, the same from one time to the next for as long as it is there; for either shape the part
-        of a compound, the kind of feature (0 a corner, 1 an edge, 2 a face) and its number, or the two corners of an
-        edge.
+        Features in contact, which stay the same from call to call as long as the contact persists.
+        For either shape: the part of a compound, the kind of feature (0 a corner, 1 an edge, 2 a
+        face), and its number or the two corners of an edge.
     """
 
     normal: NDArray[np.float64]
@@ -53,7 +53,7 @@ class Contacts:
         return len(self.depth)
 
     def __getitem__(self, index: Any) -> Contacts:
-        """Return views of some rows: a slice, an array of indices or a mask."""
+        """Return views of some rows, given as a slice, an array of indices or a mask."""
         return Contacts(*(getattr(self, field.name)[index] for field in fields(self)))
 
     def __repr__(self) -> str:
@@ -63,15 +63,15 @@ class Contacts:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ContactRows(Ragged[Contacts]):
-    """The contacts of many rows of poses, or of many pairs of bodies: uneven in number, one row's after another's.
+    """Contacts of many rows of poses or of many pairs of bodies, concatenated row by row.
 
     Attributes
     ----------
     offsets : (n + 1,) int64 array
-        The contacts of row ``i``, in row-major order of the leading axes, are those from ``offsets[i]`` to
-        ``offsets[i + 1]``.
+        Start of each row's contacts: the contacts of row ``i``, in row-major order of the leading
+        axes, go from ``offsets[i]`` to ``offsets[i + 1]``.
     all : Contacts
-        Those of all rows.
+        The contacts of all rows.
     shape : tuple of int
         The leading axes; their product is ``n``.
 
@@ -102,7 +102,7 @@ class ContactRows(Ragged[Contacts]):
 
 
 def contact_rows(offsets: NDArray[np.int64], columns: Any, shape: tuple[int, ...]) -> ContactRows:
-    """Return contacts of rows, as the extension has them."""
+    """Return the contacts of many rows from the extension's columns."""
     manifold, normal, point_a, point_b, lower, upper, ids = columns
     return ContactRows(offsets, Contacts(normal, upper, lower, upper, point_a, point_b, manifold, ids), shape)
 
@@ -117,7 +117,7 @@ def contacts(
     solid: Solid = False,
     margin: float = 0.0,
     most_points: int = 4,
-    **rows: Unpack[Raising],
+    **rows: Unpack[RaiseOptions],
 ) -> Contacts: ...
 @overload
 def contacts(
@@ -129,7 +129,7 @@ def contacts(
     solid: Solid = False,
     margin: float = 0.0,
     most_points: int = 4,
-    **rows: Unpack[Raising],
+    **rows: Unpack[RaiseOptions],
 ) -> Contacts | ContactRows: ...
 @overload
 def contacts(
@@ -141,7 +141,7 @@ def contacts(
     solid: Solid = False,
     margin: float = 0.0,
     most_points: int = 4,
-    **rows: Unpack[Stating],
+    **rows: Unpack[StatusOptions],
 ) -> tuple[Contacts | ContactRows, Statuses]: ...
 def contacts(
     a: AnyShape,
@@ -155,28 +155,32 @@ def contacts(
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
 ) -> Any:
-    """Return the contacts of two meshes or shapes; none exactly where they are not within the margin.
+    """Compute the contacts of two meshes or shapes.
+
+    The result is empty if and only if the two are farther apart than the margin.
 
     Parameters
     ----------
     a, b, pose_a, pose_b, solid, on_error, progress
-        As for `intersects`. There is nothing to say of rows with a bad pose.
+        As for `intersects`. A row with an invalid pose has no contacts.
     margin : float
-        Points that are at most this far apart are contacts too, in world units.
+        Maximum distance, in world units, at which points still count as contacts.
     most_points : int
-        How many contacts with one normal there may be, at least one: the deepest, and those that span the most.
+        Maximum number of contacts with one normal, at least one: the deepest contact, the farthest
+        from it, and then those that add the most area.
 
     Returns
     -------
     Contacts or ContactRows
-        `Contacts` where a single pose was asked about. Two convex shapes have one normal, what is not convex one for
-        each region of contact. Normals of round shapes are those of `penetration` to within 2^-12; cylinders, cones and
-        ellipsoids have up to eight points, which may be less deep than others beside them by 2^-13 of the size.
+        `Contacts` for a single pose. Two convex shapes have one normal; other shapes have one for
+        each region of contact. The normals of round shapes equal those of `penetration` to within
+        2^-12. Cylinders, cones and ellipsoids have up to eight points, which may be shallower than
+        neighboring points by 2^-13 of the size.
 
     Raises
     ------
     InputError
-        As for `intersects`, or if an option is not in range.
+        As for `intersects`, or if an option is out of range.
 
     Examples
     --------
@@ -186,12 +190,12 @@ def contacts(
     >>> len(touch), touch.normal[0], touch.depth
     (4, array([0., 0., 1.]), array([0.25, 0.25, 0.25, 0.25]))
     """
-    margin, most_points = real(margin, "margin", least=0), whole(most_points, "most_points", least=1)
+    margin, most_points = real(margin, "margin", minimum=0), whole(most_points, "most_points", minimum=1)
 
-    def made(columns: Any) -> Contacts | ContactRows:
+    def convert(columns: Any) -> Contacts | ContactRows:
         shape, (offsets, all_of_them) = columns
         rows = contact_rows(offsets, all_of_them, tuple(shape))
         return rows if rows.shape else rows.all
 
     question = (a, b, pose_a, pose_b, solid, on_error, progress)
-    return beside_status(_impinge.contacts_of(question, margin, most_points), on_error, made)
+    return with_status(_impinge.contacts_of(question, margin, most_points), on_error, convert)

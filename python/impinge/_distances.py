@@ -1,4 +1,4 @@
-"""How far apart two meshes or shapes are, and whether they keep a clearance."""
+"""Measures how far apart two meshes or shapes are, and tests whether they keep a clearance."""
 
 from __future__ import annotations
 
@@ -10,29 +10,29 @@ from numpy.typing import NDArray
 
 from impinge import _impinge
 from impinge._points import scalar
-from impinge._rows import Booleans, Pose, Raising, Solid, Stating, Statuses, beside_status
+from impinge._rows import Booleans, Pose, RaiseOptions, Solid, Statuses, StatusOptions, with_status
 from impinge._scalars import real
 from impinge._shape import AnyShape
 
 
 @dataclass(frozen=True, eq=False)
 class Distance:
-    """How far apart two things are, with what was proved about it; arrays if the poses have leading axes.
+    """Distance of two things with proved bounds; arrays if the poses have leading axes.
 
     Attributes
     ----------
     distance : float or (...) float64 array
-        Zero exactly if the two intersect, else `upper`.
+        Zero if and only if the two intersect, otherwise `upper`.
     lower, upper : float or (...) float64 array
-        The true distance lies between them, in world units. Infinite if a mesh is empty.
+        Bounds of the true distance, in world units. Infinite if a mesh is empty.
     point_a, point_b : (..., 3) float64 array
-        Nearest points in the world frame, rounded; zero if there are none: a mesh is empty, a pose bad, or one mesh
-        inside the other one, a solid, without touching its surface.
+        Nearest points in the world frame, rounded. Zero if there are none: a mesh is empty, a pose
+        is invalid, or one mesh lies inside the other, a solid, without touching its surface.
     face_a, face_b : int or (...) int64 array
-        The faces that they are on; -1 if there are none, or one of the two is no
-        mesh. Among faces that are equally
-        near the least by `face_a`, then by `face_b`; if the meshes intersect two that do, which depend on how the
-        hierarchies were built.
+        Faces that contain the nearest points; -1 if there are none, or if one of the two is not a
+        mesh. If several pairs are equally near, the one with the smallest `face_a`, then the
+        smallest `face_b`, is returned. If the meshes intersect, a pair of intersecting faces is
+        returned, which depends on how the hierarchies were built.
     """
 
     distance: float | NDArray[np.float64]
@@ -46,11 +46,23 @@ class Distance:
 
 @overload
 def distance(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, *, solid: Solid = False, **rows: Unpack[Raising]
+    a: AnyShape,
+    b: AnyShape,
+    pose_a: Pose = None,
+    pose_b: Pose = None,
+    *,
+    solid: Solid = False,
+    **rows: Unpack[RaiseOptions],
 ) -> Distance: ...
 @overload
 def distance(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, *, solid: Solid = False, **rows: Unpack[Stating]
+    a: AnyShape,
+    b: AnyShape,
+    pose_a: Pose = None,
+    pose_b: Pose = None,
+    *,
+    solid: Solid = False,
+    **rows: Unpack[StatusOptions],
 ) -> tuple[Distance, Statuses]: ...
 def distance(
     a: AnyShape,
@@ -62,7 +74,7 @@ def distance(
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
 ) -> Any:
-    """Return how far apart two meshes or shapes are, and where.
+    """Compute the distance of two meshes or shapes, and their nearest points.
 
     Parameters
     ----------
@@ -71,20 +83,22 @@ def distance(
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
         World from mesh, as for `intersects`.
     solid : {False, True, "a", "b"}
-        As for `intersects`: the distance is zero exactly where that, with the same `solid`, is true.
+        As for `intersects`: the distance is zero if and only if `intersects` with the same `solid`
+        returns True.
     on_error : {"raise", "status"}
-        What becomes of a pose that is none. ``"status"`` answers its rows with distance 0, the safe answer, without
-        faces, and returns the `Status` of each row beside the answers.
+        How to treat an invalid pose. ``"status"`` returns distance 0, the safe answer, without
+        faces for its row, and also returns the `Status` of each row.
     progress : bool
         As for `intersects`.
 
     Returns
     -------
     Distance
-        Its fields gain the leading axes of the poses. The interval from `lower` to `upper` is at most 2^-44 of the
-        diagonal of the box that holds both meshes, and 2^-36 of the distance for boxes, triangles, hulls and
-        half-spaces. For round shapes it is about 2^-40 of the sizes, and up to 2^-23 if a cylinder, a cone or an
-        ellipsoid is turned so that several of its points are as near.
+        The fields have the leading axes of the poses. The interval from `lower` to `upper` is at
+        most 2^-44 of the diagonal of the box that contains both meshes. For boxes, triangles, hulls
+        and half-spaces it is at most 2^-36 of the distance. For round shapes it is about 2^-40 of
+        the sizes, or up to 2^-23 if several points of a cylinder, a cone or an ellipsoid are
+        equally near.
 
     Raises
     ------
@@ -93,8 +107,9 @@ def distance(
 
     Notes
     -----
-    The search for a pose starts from the faces that were nearest in the one before it, so consecutive poses of a motion
-    are faster than the same ones shuffled. No answer depends on it.
+    The search for each pose starts from the nearest faces of the previous pose. Consecutive poses
+    of a motion are therefore faster than the same poses in random order. The result does not depend
+    on the order.
 
     Examples
     --------
@@ -104,11 +119,11 @@ def distance(
     >>> far.distance.round(9)
     array([2., 0.])
     """
-    return beside_status(_impinge.distance((a, b, pose_a, pose_b, solid, on_error, progress)), on_error, _made)
+    return with_status(_impinge.distance((a, b, pose_a, pose_b, solid, on_error, progress)), on_error, _distance_of)
 
 
-def _made(columns: tuple[NDArray[Any], ...]) -> Distance:
-    """Plain numbers in place of arrays without axes; points stay arrays."""
+def _distance_of(columns: tuple[NDArray[Any], ...]) -> Distance:
+    """Return a `Distance`; 0-dimensional columns become plain numbers, points stay arrays."""
     return Distance(*map(scalar, columns))
 
 
@@ -123,7 +138,7 @@ def within(
     pose_b: Pose = None,
     *,
     solid: Solid = False,
-    **rows: Unpack[Raising],
+    **rows: Unpack[RaiseOptions],
 ) -> Booleans: ...
 @overload
 def within(
@@ -134,7 +149,7 @@ def within(
     pose_b: Pose = None,
     *,
     solid: Solid = False,
-    **rows: Unpack[Stating],
+    **rows: Unpack[StatusOptions],
 ) -> tuple[Booleans, Statuses]: ...
 def within(
     a: AnyShape,
@@ -147,20 +162,20 @@ def within(
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
 ) -> Any:
-    """Whether two meshes or shapes come within a clearance of each other: closer than it or equal to it.
+    """Report whether two meshes or shapes are at most a clearance apart, decided exactly.
 
-    Decided exactly, as `intersects` is.
+    The test is as exact as `intersects`.
 
     Parameters
     ----------
     a, b : Mesh or Shape
-        The two things; an empty mesh is within no clearance.
+        The two things. An empty mesh is not within any clearance.
     clearance : float
-        In world units, not negative.
+        Maximum distance in world units, at least zero. A distance equal to the clearance counts.
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
         World from mesh, as for `intersects`.
     solid : {False, True, "a", "b"}
-        As for `intersects`: what is inside a solid is within any clearance of it.
+        As for `intersects`: a body inside a solid is within any clearance of it.
     on_error : {"raise", "status"}
         As for `intersects`; the safe answer is True.
     progress : bool
@@ -169,12 +184,13 @@ def within(
     Returns
     -------
     bool or (...) bool array
-        With ``on_error="status"`` a tuple of that and a uint8 array of the same shape.
+        True if the two are within the clearance. With ``on_error="status"`` a tuple of this and a
+        uint8 array of the same shape, the status of each row.
 
     Raises
     ------
     InputError
-        If `clearance` is negative or no number, or as for `intersects`.
+        If `clearance` is negative or not a number, or as for `intersects`.
 
     Examples
     --------
@@ -183,4 +199,4 @@ def within(
     >>> impinge.within(triangle, triangle, 0.5, pose_b=impinge.pose([[0, 0, 0.5], [0, 0, 0.5 + 1e-15]]))
     array([ True, False])
     """
-    return _impinge.within((a, b, pose_a, pose_b, solid, on_error, progress), real(clearance, "clearance", least=0))
+    return _impinge.within((a, b, pose_a, pose_b, solid, on_error, progress), real(clearance, "clearance", minimum=0))

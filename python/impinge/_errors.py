@@ -1,4 +1,4 @@
-"""What is wrong with an input, and where."""
+"""Errors, warnings and the status of rows: what is wrong with an input, and where."""
 
 from __future__ import annotations
 
@@ -6,25 +6,27 @@ from enum import IntEnum
 
 
 class InputError(ValueError):
-    """An argument, or a file, that cannot be answered about.
+    """Raised if an argument or a file is invalid.
 
-    The text says what is wrong, where, and, where that is known, what to do.
+    The message says what is wrong, where, and, if known, what to do.
 
     Attributes
     ----------
     kind : str
-        A short stable name: ``"type"``, ``"dtype"``, ``"shape"``, ``"option"``, ``"name"``, ``"unit"``,
-        ``"non-finite"``, ``"out-of-range"``, ``"index-out-of-bounds"``, ``"too-many"``, ``"not-affine"``,
-        ``"singular"``, ``"not-rigid"``, ``"not-unit-quaternion"``, ``"zero-direction"``, ``"zero-axis"``,
-        ``"negative"``, ``"order"``, ``"stale"``, ``"static"`` or ``"empty"``; for files those of the command's
-        JSON too, such as ``"syntax"``.
+        Short stable name: ``"type"``, ``"dtype"``, ``"shape"``, ``"option"``, ``"name"``,
+        ``"unit"``, ``"non-finite"``, ``"out-of-range"``, ``"index-out-of-bounds"``, ``"too-many"``,
+        ``"not-affine"``, ``"singular"``, ``"not-rigid"``, ``"not-unit-quaternion"``,
+        ``"zero-direction"``, ``"zero-axis"``, ``"negative"``, ``"order"``, ``"stale"``,
+        ``"static"`` or ``"empty"``. For files also the kinds in the JSON output of the command,
+        such as ``"syntax"``.
     what : str
-        The argument that is wrong, such as ``"vertices"`` or ``"pose_b"``, or the file.
+        Name of the invalid argument, such as ``"vertices"`` or ``"pose_b"``, or the path of the
+        file.
     where : tuple of int, str or None
-        An index into the argument: ``(row, 0, 3)`` in an array of poses, ``(vertex,)``, ``(face,)``; empty where all of
-        it is wrong. For a file the line, byte or entry, or None.
+        Index into the argument: ``(row, 0, 3)`` in an array of poses, ``(vertex,)`` or ``(face,)``;
+        empty if the whole argument is invalid. For a file the line, byte or entry, or None.
     hint : str or None
-        What to do about it.
+        How to fix the input, if known.
 
     Examples
     --------
@@ -62,7 +64,7 @@ class InputError(ValueError):
         super().__init__((f"{place}: " if place else "") + message + (f" ({hint})" if hint else ""))
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle with all attributes, as worker processes hand their errors on."""
+        """Pickle with all attributes, so that worker processes can pass their errors on."""
         return _restored, (self._message, self.kind, self.what, self.where, self.hint)
 
 
@@ -71,11 +73,11 @@ def _restored(message: str, kind: str, what: str, where: tuple[int, ...] | str |
 
 
 class LoadWarning(UserWarning):
-    """Something in a file was left out, or read otherwise than one may expect."""
+    """Warning that a part of a file was skipped, or was read in a way that may be unexpected."""
 
 
 class Status(IntEnum):
-    """How a row was answered where ``on_error="status"`` lets bad poses pass.
+    """Status of one row of a call with ``on_error="status"``.
 
     Examples
     --------
@@ -90,17 +92,18 @@ class Status(IntEnum):
     """
 
     OK = 0
-    """The answer is the truth."""
+    """The pose is valid, and the answer is proved."""
     NON_FINITE = 1
     """An entry of the pose is NaN or infinite; the answer is the safe one."""
     OUT_OF_RANGE = 2
-    """An entry is beyond 2^64, or a translation beyond 2^300; the answer is the safe one."""
+    """An entry of the pose is beyond 2^64, or a translation beyond 2^300; the answer is the safe
+    one."""
     NOT_AFFINE = 3
     """The last row of the pose is not 0, 0, 0, 1; the answer is the safe one."""
     SINGULAR = 4
     """The linear part of the pose has no inverse; the answer is the safe one."""
     UNDECIDED = 5
-    """Nothing was proved: round shapes touch to within rounding, or a mesh is open or meets itself there; the answer is
-    the safe one."""
+    """Nothing was proved; the answer is the safe one. Round shapes touch to within rounding, or a
+    mesh is open or intersects itself at the place in question."""
     NOT_RIGID = 6
-    """The pose is no rigid motion within 1e-4, which a round shape wants; the answer is the safe one."""
+    """The pose is not rigid within 1e-4, which round shapes require; the answer is the safe one."""

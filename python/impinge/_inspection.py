@@ -1,4 +1,4 @@
-"""What a mesh may suffer from, its repair, and how good its hierarchy is."""
+"""Reports on a mesh: its defects, its repair, and the quality of its hierarchy."""
 
 from __future__ import annotations
 
@@ -10,30 +10,31 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class Health:
-    """Counts of what is odd about a mesh; all are exact. None of it changes an answer about the surface.
+    """Numbers of defects of a mesh, all exact. Defects do not affect answers about the surface.
 
-    Vertices with equal coordinates are one point here, whatever their indices.
+    Vertices with equal coordinates count as one point here, whatever their indices.
 
     Attributes
     ----------
     degenerate_faces : int
-        Faces without area: segments and points.
+        Number of faces without area: segments and points.
     duplicate_faces : int
-        Faces with the same three points as an earlier one, in any order.
+        Number of faces with the same three points as an earlier face, in any order.
     duplicate_vertices : int
-        Vertices at the same point as an earlier one.
+        Number of vertices at the same point as an earlier vertex.
     unused_vertices : int
-        Vertices that no face has.
+        Number of vertices that no face uses.
     open_edges : int
-        Edges between two points that one face has.
+        Number of edges between two different points that belong to a single face.
     non_manifold_edges : int
-        Edges that more than two faces have.
+        Number of edges that belong to more than two faces.
     misoriented_edges : int
-        Edges that two faces have, both in the same direction: one of the faces is inside out.
+        Number of edges that belong to two faces with the same direction: one of the faces is inside
+        out.
     components : int
-        Pieces, each of all faces that are linked by points in common.
+        Number of connected components: sets of faces that are linked by common points.
     double_coordinates : int
-        Coordinates that single precision cannot hold.
+        Number of coordinates that single precision cannot represent.
     """
 
     degenerate_faces: int
@@ -49,22 +50,22 @@ class Health:
 
 @dataclass(frozen=True, eq=False)
 class Repair:
-    """What `Mesh.repaired` changed, and what it found and left. All arrays are ascending.
+    """Changes made by `Mesh.repaired`, and the defects that are left. All arrays are ascending.
 
     Attributes
     ----------
     welded_vertices : (k,) uint32 array
-        Vertices that were moved to the position of an earlier one.
+        Vertices that were moved to the position of an earlier vertex.
     greatest_move : float
-        The greatest distance by which a vertex was moved.
+        Maximum distance by which a vertex was moved, in the unit of the mesh.
     turned_faces : (k,) uint32 array
-        Faces whose second and third corner were swapped.
+        Faces whose second and third corners were swapped.
     one_sided_faces : (k,) uint32 array
-        Faces of sheets that have only one side, as a Möbius strip has. They are left as they were.
+        Faces of one-sided sheets, such as a Möbius strip; not changed.
     degenerate_faces : (k,) uint32 array
-        Faces without area after the repair. They are left.
+        Faces without area after the repair; not changed.
     duplicate_faces : (k,) uint32 array
-        Faces with the same three points as an earlier one after the repair. They are left.
+        Faces with the same three points as an earlier face after the repair; not changed.
     """
 
     welded_vertices: NDArray[np.uint32]
@@ -75,7 +76,7 @@ class Repair:
     duplicate_faces: NDArray[np.uint32]
 
     def __repr__(self) -> str:
-        """Return how many there are of each."""
+        """Return the numbers of changes and of defects that are left."""
         return (
             f"Repair({len(self.welded_vertices)} vertices welded by at most {self.greatest_move:.3g}, "
             f"{len(self.turned_faces)} faces turned, {len(self.one_sided_faces)} one-sided, "
@@ -85,22 +86,25 @@ class Repair:
 
 @dataclass(frozen=True)
 class TreeStatistics:
-    """What can be read off the hierarchy that queries descend; areas are ratios, and so do not depend on the unit.
+    """Quality of the hierarchy that queries traverse. Areas are ratios, independent of the unit.
 
     Attributes
     ----------
     inner, leaves : int
-        Nodes of either kind.
+        Numbers of inner nodes and of leaves.
     depth : int
-        Steps from the root to the deepest leaf.
+        Number of steps from the root to the deepest leaf.
     sah : float
-        The expected number of nodes that something small inside the root's box meets: all areas over that of the root.
+        Expected number of nodes that a small object inside the root's box overlaps: the sum of all
+        areas, divided by the area of the root.
     overlap : float
-        How much of an inner node's area two of its children have in common; 0 where no children overlap.
+        Share of an inner node's area that two of its children have in common; 0 if no children
+        overlap.
     node_fill, leaf_fill : float
-        The share of the places for children, and for faces, that are taken.
+        Share of the slots that are used: of child slots in inner nodes, and of face slots in
+        leaves.
     bytes : int
-        What the nodes take.
+        Size of the nodes in bytes.
     """
 
     inner: int

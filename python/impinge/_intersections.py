@@ -1,7 +1,7 @@
-"""Whether two meshes or shapes intersect, and where.
+"""Tests whether two meshes or shapes intersect, and lists the faces and curves in which they do.
 
-A new verb on two things is a function here or in ``_distances.py``, one in ``crates/impinge-python/src``, and its name
-in ``__init__.py``.
+To add a query on two things, add a function here or in ``_distances.py``, its implementation in
+``crates/impinge-python/src``, and its name in ``__init__.py``.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from impinge import _impinge
 from impinge._mesh import Mesh
 from impinge._pairs import Pairs
-from impinge._rows import Booleans, Pose, Raising, Solid, Stating, Statuses, beside_status
+from impinge._rows import Booleans, Pose, RaiseOptions, Solid, Statuses, StatusOptions, with_status
 from impinge._scalars import whole
 from impinge._shape import AnyShape
 
@@ -23,11 +23,23 @@ from impinge._shape import AnyShape
 def intersects(a: AnyShape, b: AnyShape, *, solid: Solid = False) -> bool: ...
 @overload
 def intersects(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, *, solid: Solid = False, **rows: Unpack[Raising]
+    a: AnyShape,
+    b: AnyShape,
+    pose_a: Pose = None,
+    pose_b: Pose = None,
+    *,
+    solid: Solid = False,
+    **rows: Unpack[RaiseOptions],
 ) -> Booleans: ...
 @overload
 def intersects(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, *, solid: Solid = False, **rows: Unpack[Stating]
+    a: AnyShape,
+    b: AnyShape,
+    pose_a: Pose = None,
+    pose_b: Pose = None,
+    *,
+    solid: Solid = False,
+    **rows: Unpack[StatusOptions],
 ) -> tuple[Booleans, Statuses]: ...
 def intersects(
     a: AnyShape,
@@ -39,47 +51,51 @@ def intersects(
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
 ) -> Any:
-    """Whether two meshes or shapes have a point in common; touching counts.
+    """Report whether two meshes or shapes have a point in common; touching counts.
 
-    The answer about meshes, boxes, triangles, hulls and half-spaces is the truth about their real images under the
-    given maps: no tolerance, no scale. So it is for spheres and capsules among these, if their poses are exactly
-    orthogonal. Other round shapes that touch to within rounding count as a hit, with ``Status.UNDECIDED``.
+    Meshes, boxes, triangles, hulls and half-spaces are decided exactly for the real numbers that
+    their coordinates and poses denote: there is no tolerance, and the scale does not matter.
+    Pairs of these with spheres and capsules are decided exactly too, if the poses are exactly
+    orthogonal. Other round shapes count as intersecting if they touch to within rounding; their
+    status is then ``Status.UNDECIDED``.
 
     Parameters
     ----------
     a, b : Mesh or Shape
-        The two things. A mesh is its surface unless `solid` says otherwise.
+        The two things. A mesh is its surface, unless `solid` makes it a solid.
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
-        World from mesh, for column vectors; any invertible affine map, for round shapes a rotation and a translation.
-        None is the identity. Leading axes broadcast as in NumPy:
-        ``(n, 4, 4)`` against ``(4, 4)`` or ``(n, 4, 4)`` gives n answers, ``(n, 1, 4, 4)`` against ``(m, 4, 4)`` gives
-        n x m.
+        World from mesh, for column vectors: any invertible affine map, or a rigid motion within
+        1e-4 for round shapes. None is the identity. Leading axes broadcast as in NumPy:
+        ``(n, 4, 4)`` against ``(4, 4)`` or ``(n, 4, 4)`` gives n answers, ``(n, 1, 4, 4)`` against
+        ``(m, 4, 4)`` gives n x m.
     solid : {False, True, "a", "b"}
-        Neither mesh, both, or one of them is not its surface alone but all about which it winds more than half, so that
-        what lies wholly inside intersects it. A shape is what it was made to be. Exact where that mesh is closed
-        (`Mesh.is_closed`); where nothing is proved about the inside of an open one, what is in question counts as
-        inside.
+        Which meshes are solids: neither, both, or one. A solid is the surface and all points with a
+        winding number above 1/2 in magnitude, so a body that lies inside a solid without touching
+        its surface intersects it. The answer is exact if the solid mesh is closed
+        (`Mesh.is_closed`). If it is open and the inside cannot be decided, the answer is True.
+        Shapes ignore this option.
     on_error : {"raise", "status"}
-        What becomes of a pose that is none. ``"status"`` answers its rows True, the safe answer, and returns the
-        `Status` of each row beside the answers.
+        How to treat an invalid pose. ``"raise"`` raises an error. ``"status"`` returns True, the
+        safe answer, for its row, and also returns the `Status` of each row.
     progress : bool
-        Whether a line of stderr says how many rows are answered while the call lasts.
+        Whether to show the number of finished rows in one line of stderr during the call.
 
     Returns
     -------
     bool or (...) bool array
-        With ``on_error="status"`` a tuple of that and a uint8 array of the same shape.
+        True if the two intersect. With ``on_error="status"`` a tuple of this and a uint8 array of
+        the same shape, the status of each row.
 
     Raises
     ------
     InputError
-        If an argument has another type or shape, or a pose is not finite, not affine, singular or out of range; before
-        any work, naming the row.
+        If an argument has an unsupported type or shape, or if a pose is not finite, not affine,
+        singular or out of range. All poses are validated before any work; the error names the row.
 
     Notes
     -----
-    Stops at the first pair of triangles found. Many poses are shared out to all cores (see `threads`), without the
-    interpreter's lock; Ctrl-C ends the wait.
+    The search stops at the first intersecting pair of triangles. Many poses are distributed over
+    all cores (see `threads`), with the interpreter's lock released. Ctrl-C interrupts the call.
 
     Examples
     --------
@@ -90,7 +106,7 @@ def intersects(
     >>> impinge.intersects(triangle, triangle, pose_b=impinge.pose([[1, 0, 0], [1 + 1e-15, 0, 0]]))
     array([ True, False])
 
-    A small tetrahedron inside a large one meets it only if that is solid:
+    A small tetrahedron inside a large one intersects it only if the large one is solid:
 
     >>> corners = np.array([[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], float)
     >>> large = impinge.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
@@ -105,11 +121,11 @@ def intersects(
 def penetrates(a: AnyShape, b: AnyShape) -> bool: ...
 @overload
 def penetrates(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Raising]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[RaiseOptions]
 ) -> Booleans: ...
 @overload
 def penetrates(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Stating]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[StatusOptions]
 ) -> tuple[Booleans, Statuses]: ...
 def penetrates(
     a: AnyShape,
@@ -120,27 +136,30 @@ def penetrates(
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
 ) -> Any:
-    """Whether the interiors of two meshes or shapes intersect, which touching is not.
+    """Report whether the interiors of two meshes or shapes intersect; touching does not count.
 
-    Parts of an assembly touch everywhere; only where this is true do they clash.
+    Parts of an assembly touch at every joint. Use this function to find the parts that collide.
 
     Parameters
     ----------
     a, b : Mesh or Shape
-        The two things. A mesh is taken as a solid: all about which it winds more than half.
+        The two things. A mesh is treated as a solid: its surface and all points with a winding
+        number above 1/2 in magnitude.
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
         World from mesh, as for `intersects`.
     on_error : {"raise", "status"}
-        What becomes of a pose that is none, as for `intersects`. The status also says which answers are undecided.
+        How to treat an invalid pose, as for `intersects`. The status also marks undecided answers.
     progress : bool
         As for `intersects`.
 
     Returns
     -------
     bool or (...) bool array
-        True also if it is undecided: a mesh is open near the other one, or meets itself where it meets that, or the
-        depth of two shapes is zero to within its bounds. With ``on_error="status"`` a tuple of that and of a uint8
-        array, in which ``Status.UNDECIDED`` marks these. Otherwise the answer is exact.
+        True if the interiors intersect, and also if this is undecided: if a mesh is open near the
+        other one, if it intersects itself at an intersection with the other one, or if the bounds
+        on the depth of two shapes include zero. With ``on_error="status"`` a tuple of this and a
+        uint8 array, in which ``Status.UNDECIDED`` marks undecided answers. All other answers are
+        exact.
 
     Raises
     ------
@@ -162,27 +181,33 @@ def penetrates(
 
 
 class LimitedPairs(NamedTuple):
-    """The first pairs of faces, where a limit was set."""
+    """The first intersecting pairs of faces, up to a limit."""
 
     pairs: NDArray[np.uint32] | Pairs
-    """The first pairs of each pose in their order."""
+    """The first pairs of each pose, in sorted order."""
     truncated: Booleans
-    """Whether there are more than these, for each pose."""
+    """Whether a pose has more pairs than were returned; an array if the poses have leading axes."""
 
 
 @overload
 def intersecting_pairs(a: Mesh, b: Mesh, *, limit: None = None) -> NDArray[np.uint32]: ...
 @overload
 def intersecting_pairs(
-    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: None = None, **rows: Unpack[Raising]
+    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: None = None, **rows: Unpack[RaiseOptions]
 ) -> NDArray[np.uint32] | Pairs: ...
 @overload
 def intersecting_pairs(
-    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: int, **rows: Unpack[Raising]
+    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: int, **rows: Unpack[RaiseOptions]
 ) -> LimitedPairs: ...
 @overload
 def intersecting_pairs(
-    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: int | None = None, **rows: Unpack[Stating]
+    a: Mesh,
+    b: Mesh,
+    pose_a: Pose = None,
+    pose_b: Pose = None,
+    *,
+    limit: int | None = None,
+    **rows: Unpack[StatusOptions],
 ) -> tuple[NDArray[np.uint32] | Pairs | LimitedPairs, Statuses]: ...
 def intersecting_pairs(
     a: Mesh,
@@ -194,7 +219,7 @@ def intersecting_pairs(
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
 ) -> Any:
-    """Every pair of faces that have a point in common.
+    """Return all pairs of faces that have a point in common.
 
     Parameters
     ----------
@@ -203,19 +228,21 @@ def intersecting_pairs(
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
         World from mesh, as for `intersects`.
     limit : int, optional
-        The most pairs to return for a pose: the first ones in the order of the answer. The answer then says whether
-        there are more.
+        Maximum number of pairs to return for each pose: the first ones in sorted order. The result
+        then also reports whether there are more.
     on_error : {"raise", "status"}
-        What becomes of a pose that is none. ``"status"`` gives its rows no pairs and returns the `Status` of each row
-        beside the answers: pairs without ``Status.OK`` say nothing.
+        How to treat an invalid pose. ``"status"`` returns no pairs for its row, and also returns
+        the `Status` of each row. Check the status: for an invalid pose, an empty result does not
+        mean that the meshes are apart.
     progress : bool
         As for `intersects`.
 
     Returns
     -------
     (k, 2) uint32 array or Pairs
-        (Face of a, face of b), sorted by the first, then the second, without duplicates; `Pairs` if the poses have
-        leading axes. With a `limit` a `LimitedPairs`: a tuple of these and whether there are more.
+        (Face of a, face of b), sorted by the first, then by the second, without duplicates. `Pairs`
+        if the poses have leading axes. With a `limit` a `LimitedPairs`: a tuple of the pairs and
+        whether there are more.
 
     Raises
     ------
@@ -234,10 +261,10 @@ def intersecting_pairs(
     >>> len(pairs), truncated
     (2, True)
     """
-    most = None if limit is None else whole(limit, "limit")
-    answer = _impinge.intersecting_pairs((a, b, pose_a, pose_b, False, on_error, progress), most)
+    max_pairs = None if limit is None else whole(limit, "limit")
+    answer = _impinge.intersecting_pairs((a, b, pose_a, pose_b, False, on_error, progress), max_pairs)
 
-    def made(found: Any) -> NDArray[np.uint32] | Pairs | LimitedPairs:
+    def convert(found: Any) -> NDArray[np.uint32] | Pairs | LimitedPairs:
         if len(found) == _SINGLE:
             pairs, truncated = found
         else:
@@ -245,22 +272,22 @@ def intersecting_pairs(
             pairs = Pairs(offsets, rows, tuple(shape))
         return pairs if limit is None else LimitedPairs(pairs, truncated)
 
-    return beside_status(answer, on_error, made)
+    return with_status(answer, on_error, convert)
 
 
 _SINGLE = 2
-"""What the extension returns of a single pose: pairs, and whether there are more."""
+"""Length of the extension's result for a single pose: the pairs, and whether there are more."""
 
 
 @overload
 def intersection_curves(a: Mesh, b: Mesh) -> list[NDArray[np.float64]]: ...
 @overload
 def intersection_curves(
-    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Raising]
+    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[RaiseOptions]
 ) -> list[Any]: ...
 @overload
 def intersection_curves(
-    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Stating]
+    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[StatusOptions]
 ) -> tuple[list[Any], Statuses]: ...
 def intersection_curves(
     a: Mesh,
@@ -271,7 +298,7 @@ def intersection_curves(
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
 ) -> Any:
-    """Return the curves in which two surfaces meet.
+    """Return the curves in which two surfaces intersect.
 
     Parameters
     ----------
@@ -280,18 +307,20 @@ def intersection_curves(
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
         World from mesh, as for `intersects`.
     on_error : {"raise", "status"}
-        What becomes of a pose that is none. ``"status"`` gives its rows no curves and returns the `Status` of each row
-        beside the answers: curves without ``Status.OK`` say nothing.
+        How to treat an invalid pose. ``"status"`` returns no curves for its row, and also returns
+        the `Status` of each row. Check the status: for an invalid pose, an empty result does not
+        mean that the meshes are apart.
     progress : bool
         As for `intersects`.
 
     Returns
     -------
     list of (n, 3) float64 arrays
-        Polylines in the world frame and unit, closed if the first row equals the last. After them comes an array of
-        one row for each point in which the surfaces touch without a curve. Which pieces there are and how they link up
-        is exact, and each coordinate is the true one, rounded. Pairs of faces that meet within one plane have no curve
-        of their own. If the poses have leading axes, these are lists of such lists, one level for each axis.
+        Polylines in the world frame and unit. A polyline is closed if its first row equals its
+        last. After the polylines comes one array with a single row for each isolated point in which
+        the surfaces touch. The pieces and their connections are exact, and each coordinate is the
+        true one, rounded. Coplanar faces that intersect have no curve of their own. If the poses
+        have leading axes, the result is a nested list with one level for each axis.
 
     Raises
     ------
@@ -311,10 +340,11 @@ def intersection_curves(
 
 
 def self_intersecting_pairs(mesh: Mesh) -> NDArray[np.uint32]:
-    """Every pair of faces of one mesh that meet in more than the hull of the positions that they share.
+    """Return all pairs of faces of one mesh that intersect beyond their shared corners and edge.
 
-    Faces that share a corner or an edge always meet there, which is not reported; that they go through each other or
-    lie on each other elsewhere is. Equal positions are shared, whatever the indices. Exact.
+    Two faces always intersect in the hull of the positions that they share; such a contact is not
+    reported. If they also intersect or overlap anywhere else, the pair is reported. Corners are
+    shared if their positions are equal, whatever their indices. The result is exact.
 
     Parameters
     ----------
@@ -324,12 +354,12 @@ def self_intersecting_pairs(mesh: Mesh) -> NDArray[np.uint32]:
     Returns
     -------
     (k, 2) uint32 array
-        The lesser face first; sorted, without duplicates.
+        Pairs with the smaller face index first; sorted, without duplicates.
 
     Raises
     ------
     InputError
-        If `mesh` is none.
+        If `mesh` is not a `Mesh`.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Meshes of files."""
+"""Loads meshes and scenes from files."""
 
 from __future__ import annotations
 
@@ -16,39 +16,41 @@ from impinge._scene import Scene
 
 
 def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
-    r"""Load all triangles of an OBJ, STL, PLY, OFF, glTF, GLB, 3MF, COLLADA or baked file as one mesh.
+    r"""Load all triangles of a mesh file as one mesh.
 
-    Numbers keep the precision of the file: f32 stays float32, text is read as the nearest float64. Polygons become
-    triangles; `Mesh.origin` says which face is of which polygon and part. A file that `Mesh.bake` or ``impinge bake``
-    wrote is opened where it lies, unless its unit has to be converted: it is mapped and proved to be a mesh, not built.
-    So is memory that processes share and that has a path, ``/dev/shm/...``; like such a file, it must not be written to
-    while it is in use.
+    The formats are OBJ, STL, PLY, OFF, glTF, GLB, 3MF, COLLADA and baked meshes. Numbers keep the
+    precision of the file: f32 becomes float32, and text is read as the nearest float64. Polygons
+    are triangulated; `Mesh.origin` returns the polygon and the part of each face.
+
+    A file written by `Mesh.bake` or ``impinge bake`` is memory-mapped and validated, not built,
+    unless its unit has to be converted. This includes shared memory that has a path,
+    ``/dev/shm/...``. Do not write to a mapped file while it is in use.
 
     Parameters
     ----------
     path : str or os.PathLike
         The file.
     unit : {"um", "mm", "cm", "in", "ft", "m"}, optional
-        The unit that the vertices are wanted in. A file that states another is converted, each coordinate rounded
-        once, or twice where neither unit is a whole number of the other; one that states none is taken to be in it.
-        Without, vertices are as in the file.
+        Unit of the returned vertices. If the file states another unit, coordinates are converted.
+        Each is rounded once, or twice if neither unit is an integer multiple of the other. A file
+        that states no unit is assumed to use this one. Without `unit`, vertices are not converted.
 
     Returns
     -------
     Mesh
-        In the file's frame.
+        In the frame of the file.
 
     Raises
     ------
     OSError
-        If the file cannot be read; `FileNotFoundError` where there is none.
+        If the file cannot be read; `FileNotFoundError` if it does not exist.
     InputError
-        If its content is broken; it says in which line, byte or entry.
+        If the content is invalid; the error names the line, byte or entry.
 
     Warns
     -----
     LoadWarning
-        If something in the file was left out, or it has no faces.
+        If a part of the file was skipped, or if the mesh has no faces.
 
     Examples
     --------
@@ -68,7 +70,7 @@ def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
 
 
 def load_scene(path: str | os.PathLike[str], unit: str | None = None) -> Scene:
-    r"""Load the parts of a file as a scene of named meshes, each where the file has it.
+    r"""Load the parts of a file as a scene of named meshes, each at its place in the file.
 
     Parameters
     ----------
@@ -80,9 +82,10 @@ def load_scene(path: str | os.PathLike[str], unit: str | None = None) -> Scene:
     Returns
     -------
     Scene
-        Parts are named as in the file, in its order; where a name is missing or taken, by a number after it. What the
-        file poses is posed once and for all: all meshes are in the file's frame, and each instance of a shape is a mesh
-        of its own. ``scene.parts[name].origin`` says which polygons the faces are of.
+        Parts have the names and the order of the file. If a name is missing or already used, a
+        number is added. All meshes are in the frame of the file: transforms in the file are applied
+        once, and each instance of a shape becomes a mesh of its own. ``scene.parts[name].origin``
+        returns the polygons of the faces.
 
     Raises
     ------
@@ -92,7 +95,7 @@ def load_scene(path: str | os.PathLike[str], unit: str | None = None) -> Scene:
     Warns
     -----
     LoadWarning
-        If something in the file was left out, or it has no faces.
+        If a part of the file was skipped, or if the mesh has no faces.
 
     Examples
     --------
@@ -115,13 +118,13 @@ def load_scene(path: str | os.PathLike[str], unit: str | None = None) -> Scene:
         rows = order[ends[number] : ends[number + 1]]
         used, corners = np.unique(faces[rows], return_inverse=True)
         mesh = Mesh(vertices[used], corners.reshape(-1, 3))
-        name = _free_name(given, number, parts)
+        name = _unique_name(given, number, parts)
         mesh._origin = Origin(path, model.format, model.unit, sources[rows], np.zeros(len(rows), np.uint32), (name,))
         parts[name] = mesh
     return Scene(parts)
 
 
-def _free_name(given: str, number: int, taken: dict[str, Mesh]) -> str:
+def _unique_name(given: str, number: int, taken: dict[str, Mesh]) -> str:
     name, count = given or f"part {number}", 2
     while name in taken:
         name, count = f"{given or f'part {number}'} ({count})", count + 1
@@ -129,12 +132,12 @@ def _free_name(given: str, number: int, taken: dict[str, Mesh]) -> str:
 
 
 def _model(path: str, unit: str | None) -> _impinge.Model:
-    """Read a file, with a warning, at the caller of the caller, for all that was left out."""
+    """Read a file; for each part that was skipped, warn at the caller of the public function."""
     if unit is not None and not isinstance(unit, str):
         raise InputError(f"must be a str, not {type(unit).__name__}", kind="unit", what="unit")
     model = _impinge.Model(path, unit)
     for warning in model.warnings:
         warnings.warn(f"{path}: {warning}", LoadWarning, stacklevel=3)
     if len(model.part_of) == 0:
-        warnings.warn(f"{path}: the mesh has no faces, so it meets nothing", LoadWarning, stacklevel=3)
+        warnings.warn(f"{path}: the mesh has no faces, so it intersects nothing", LoadWarning, stacklevel=3)
     return model

@@ -1,4 +1,4 @@
-"""Meshes, of arrays or of other libraries' meshes, and what one asks of a single one."""
+"""Meshes from arrays, files or other libraries, and the queries on a single mesh."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from typing_extensions import Buffer
 
 BuilderName = Literal["auto", "morton", "median", "binned-sah", "sweep-sah", "ploc", "insertion", "reinsertion"]
-"""How a hierarchy is built."""
+"""Names of the algorithms that build a hierarchy."""
 
 
 class HasTriangles(Protocol):
@@ -36,34 +36,34 @@ class HasTriangles(Protocol):
 
 @final
 class Mesh(PointQueries):
-    """A triangle mesh with its hierarchy: judged once, for any number of questions and threads.
+    """A triangle mesh with its hierarchy: validated once, for any number of queries and threads.
 
-    A mesh is its surface, the union of its closed triangles. A triangle without area is the segment or the point that
-    it spans, and counts like any other. Face ``i`` is row ``i`` of what was given.
+    A mesh is a surface: the union of its closed triangles. A triangle without area is a segment or
+    a point, and counts like any other. Face ``i`` is row ``i`` of `faces`.
 
     Parameters
     ----------
     vertices : (n, 3) array_like of float32 or float64
-        Positions in the mesh's own frame and unit, below 2^128 in magnitude. A stored coordinate is the real number
-        that its float is. May be of any order, alignment and byte order; it is copied, so that later writes to it
-        change nothing. Lists are read as float64. Or, without `faces`, a mesh of another library with ``vertices`` and
+        Positions in the mesh frame and unit, below 2^128 in magnitude, of any memory layout;
+        copied. Each coordinate is the exact real number that the float represents. Lists are read
+        as float64. Without `faces`, pass a mesh of another library that has ``vertices`` and
         ``faces``, such as ``trimesh.Trimesh``.
     faces : (m, 3) array_like of integers
-        Three vertices for each face, counted from zero; copied. A negative index is an error.
+        Three vertex indices for each face, counted from zero; copied. A negative index is an error.
 
     Raises
     ------
     InputError
-        If an array has another shape or type; if a coordinate is not finite or out of range, or a face names a vertex
-        that does not exist. It says which.
+        If an array has another shape or type, if a coordinate is not finite or out of range, or if
+        a face uses a vertex that does not exist. The error names the entry.
 
     Notes
     -----
-    Building takes O(n log n) on all cores, without the interpreter's lock.
+    Building takes O(n log n) time on all cores, with the interpreter's lock released.
 
-    A copy (`copy.copy`, `copy.deepcopy`) shares all there is, and goes its own way when either is refitted. A mesh
-    pickles by its vertices and faces; with protocol 5 they may travel out of band, without a copy. The hierarchy is
-    built anew where it is loaded. Many workers share one hierarchy where each loads what `bake` wrote.
+    A copy (`copy.copy`, `copy.deepcopy`) shares all data until one of the two is refitted. A mesh
+    pickles its vertices and faces, out of band with protocol 5. Unpickling builds the hierarchy
+    again; to share one between processes, `bake` it and load the file in each process.
 
     Examples
     --------
@@ -75,47 +75,47 @@ class Mesh(PointQueries):
     array([[0, 1, 2]], dtype=uint32)
     """
 
-    __slots__ = ("_origin", "_still")
+    __slots__ = ("_cached_snapshot", "_origin")
     _origin: Origin | None
-    _still: Mesh | None
-    """A copy of the mesh as it is now, for whoever wants it never to change; none where nobody asked for one."""
+    _cached_snapshot: Mesh | None
+    """Result of `_snapshot`; None before the first call and after a refit."""
 
     def __new__(cls, vertices: ArrayLike | HasTriangles, faces: ArrayLike | None = None) -> Mesh:
-        """Judge the arrays and build the hierarchy."""
+        """Validate the arrays and build the hierarchy."""
         positions: Any = vertices
         if faces is None:
             if not (hasattr(positions, "vertices") and hasattr(positions, "faces")):
-                message = f"faces are missing, and {type(vertices).__name__} has no vertices and faces of its own"
+                message = f"faces are missing, and {type(vertices).__name__} has no attributes vertices and faces"
                 raise InputError(message, kind="type", what="faces")
             positions, faces = positions.vertices, positions.faces
         self = super().__new__(cls, _arrays.plain_cloud(positions, "vertices"), _arrays.plain_faces(faces))
-        self._origin = self._still = None
+        self._origin = self._cached_snapshot = None
         return self
 
     @classmethod
     def _of(cls, source: _impinge.Model | _impinge.MeshBase, origin: Origin | None) -> Mesh:
-        """Return the mesh that a file holds, or that shares all of another one."""
+        """Return the mesh of a file, or a mesh that shares all data of another one."""
         made: Mesh = _impinge.MeshBase.__new__(cls, source, None)
-        made._origin, made._still = origin, None
+        made._origin, made._cached_snapshot = origin, None
         return made
 
     @classmethod
     def from_baked(cls, baked: Buffer) -> Mesh:
-        """Return the mesh that `to_baked` made bytes of, with its hierarchy: proved to be one, not built.
+        """Return the mesh that `to_baked` turned into bytes; its hierarchy is validated, not built.
 
         Parameters
         ----------
         baked : bytes or any object with a buffer of bytes
-            ``memoryview``, ``mmap.mmap``, the ``buf`` of a ``multiprocessing.shared_memory.SharedMemory``: exactly the
-            bytes, in one piece. They are copied, once, to where they are aligned; what becomes of them later does not
-            reach the mesh. What is in a file, or in shared memory that has a path, `impinge.load` opens without a copy.
+            For example ``memoryview``, ``mmap.mmap`` or the ``buf`` of a ``SharedMemory``, with
+            exactly the bytes, contiguous; copied once. `impinge.load` opens files without a copy,
+            including shared memory that has a path.
 
         Raises
         ------
         InputError
-            If they are no baked mesh, or were spoiled on the way.
+            If the bytes are not a baked mesh, or are corrupt.
         BufferError, TypeError
-            If the object has no buffer, or not one of bytes in one piece.
+            If the object has no buffer, or not a contiguous one of bytes.
 
         Examples
         --------
@@ -130,37 +130,38 @@ class Mesh(PointQueries):
 
     @property
     def vertices(self) -> NDArray[np.float32] | NDArray[np.float64]:
-        """(n, 3) positions in the mesh's own frame, read-only; copied at the first use.
+        """Positions (n, 3) in the mesh frame, read-only; copied on first use.
 
-        Of the type that was given; of a baked mesh float32 where that holds them all, with the same numbers.
+        The type is that of the input. A baked mesh has float32 if that is exact for all
+        coordinates.
         """
         return super().vertices
 
     @property
     def faces(self) -> NDArray[np.uint32]:
-        """(m, 3) indices of vertices, read-only; copied at the first use."""
+        """Vertex indices (m, 3), read-only; copied on first use."""
         return super().faces
 
     @property
     def memory(self) -> int:
-        """Bytes of the mesh and its hierarchy, the copies behind `vertices` and `faces` aside."""
+        """Size of the mesh and its hierarchy in bytes, without arrays that were copied from it."""
         return super().memory
 
     @property
     def origin(self) -> Origin | None:
-        """Where the faces come from, if the mesh was loaded from a file."""
+        """Where the faces come from, if the mesh was loaded from a file; otherwise None."""
         return self._origin
 
     @property
     def is_closed(self) -> bool:
-        """Whether every edge is run through as often one way as the other, so that inside and outside are exact.
+        """Report whether each edge is used equally often in both directions: the inside is exact.
 
-        Edges are named by the positions of their ends. Takes O(n log n) the first time.
+        Edges are identified by the positions of their ends. The first call takes O(n log n) time.
         """
         return super().is_closed
 
     def health(self) -> Health:
-        """Look for everything that a mesh may suffer from, in O(n log n).
+        """Count the defects of the mesh, in O(n log n) time.
 
         Examples
         --------
@@ -173,40 +174,44 @@ class Mesh(PointQueries):
         return Health(**_impinge.health(self))
 
     def repaired(self, *, weld: float = 0.0, orient: bool = False) -> tuple[Mesh, Repair]:
-        """Return this mesh, repaired, and what was changed. Vertices and faces keep their numbers.
+        """Return a repaired copy and a report. Vertices and faces keep their indices.
 
         Parameters
         ----------
         weld : float, default 0.0
-            How far a vertex may be moved to meet the nearest earlier one that has stayed, in the unit of the mesh.
+            Maximum distance by which a vertex may be moved onto the nearest earlier vertex that has
+            not moved, in the unit of the mesh.
         orient : bool, default False
-            Whether faces are turned so that neighbors agree on a side. Linked faces get the side that at least three
-            quarters of their area have, or else the side with which they enclose a positive volume, or else the side
-            that most of their area has. If all of them then enclose a negative volume, all are turned.
+            Whether to turn faces so that neighbors agree on an outer side. Connected faces take the
+            side that at least three quarters of their area have, or else the side with which they
+            enclose a positive volume, or else that of most of their area. If all of them then
+            enclose a negative volume, all are turned.
 
         Raises
         ------
         InputError
-            If the tolerance is negative, NaN or infinite.
+            If `weld` is negative, NaN or infinite.
 
         Examples
         --------
         >>> import impinge
         >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
-        >>> mesh = impinge.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 2, 3], [1, 2, 3]])  # the third is turned
+        >>> mesh = impinge.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 2, 3], [1, 2, 3]])  # one face is inside out
         >>> repaired, repair = mesh.repaired(orient=True)
         >>> repair
         Repair(0 vertices welded by at most 0, 1 faces turned, 0 one-sided, 0 without area, 0 duplicates)
         >>> mesh.is_closed, repaired.is_closed
         (False, True)
         """
-        made, report = _impinge.repaired(self, real(weld, "weld", least=0.0), flag(orient, "orient"))
+        made, report = _impinge.repaired(self, real(weld, "weld", minimum=0.0), flag(orient, "orient"))
         return Mesh._of(made, self._origin), Repair(**report)
 
     def closing_tolerance(self) -> float | None:
-        """Return a tolerance at which welding closes every open edge, in O(n log n).
+        """Return a tolerance at which welding closes every open edge, in O(n log n) time.
 
-        It is the least that does of 10^-16 to 10^-4 of the size of the mesh, rounded up to a power of ten, or None.
+        It is the smallest of 10^-16, 10^-15, up to 10^-4 times the size of the mesh that does so;
+        the size is rounded up to a power of ten. None if none of them does, if no edge is open, or
+        if there are more than 131,072 open edges.
 
         Examples
         --------
@@ -221,26 +226,27 @@ class Mesh(PointQueries):
         return _impinge.closing_tolerance(self)
 
     def tree_statistics(self) -> TreeStatistics:
-        """Return what can be read off the hierarchy."""
+        """Measure the quality of the hierarchy."""
         return TreeStatistics(**_impinge.tree_statistics(self))
 
     def refit(self, vertices: ArrayLike) -> None:
-        """Move the vertices; the faces stay as they are.
+        """Move the vertices; the faces stay the same.
 
-        The hierarchy keeps its shape and takes in the new places, several times quicker than it is built. Calls that
-        run meanwhile are answered about the mesh as it was. No answer depends on the shape, beyond what `rebuild` says;
-        how much slower the questions have become is `aging`, and `rebuild` makes them quick again.
+        The hierarchy keeps its structure and updates its boxes, several times faster than a
+        rebuild. Calls that run at the same time use the mesh as it was. Answers do not depend on
+        the structure, except as `rebuild` describes. If `aging` shows that queries became slow,
+        call `rebuild`.
 
         Parameters
         ----------
         vertices : (n, 3) array_like of float32 or float64
-            As many as before, in the mesh's own frame.
+            New positions in the mesh frame, one for each existing vertex.
 
         Raises
         ------
         InputError
-            If an array has another shape or type, or a coordinate is not finite or out of range. The mesh is then as it
-            was.
+            If the array has another shape or type, or a coordinate is not finite or out of range.
+            The mesh does not change then.
 
         Examples
         --------
@@ -251,10 +257,10 @@ class Mesh(PointQueries):
         (array([0., 0., 5.]), 1.0)
         """
         self.move_vertices(_arrays.plain_cloud(vertices, "vertices"))
-        self._still = None
+        self._cached_snapshot = None
 
     def refitted(self, vertices: ArrayLike) -> Mesh:
-        """Return another mesh of the same faces with its vertices moved; this one stays as it is.
+        """Return a mesh with the same faces and moved vertices; this mesh does not change.
 
         Parameters
         ----------
@@ -264,7 +270,7 @@ class Mesh(PointQueries):
         Returns
         -------
         Mesh
-            Its hierarchy has the shape of this one's.
+            Its hierarchy has the same structure as the hierarchy of this mesh.
 
         Raises
         ------
@@ -272,36 +278,37 @@ class Mesh(PointQueries):
             As for `refit`.
         """
         moved = super().__new__(Mesh, _arrays.plain_cloud(vertices, "vertices"), self)
-        moved._origin, moved._still = self._origin, None
+        moved._origin, moved._cached_snapshot = self._origin, None
         return moved
 
     @property
     def aging(self) -> float:
-        """What a question costs in the hierarchy by the surface area heuristic, over what it did when it was built.
+        """Cost of a query by the surface area heuristic, relative to 1 after the last build.
 
-        It is 1 for a new one. Above 1.5 or so, `rebuild` pays for itself within some dozens of questions.
+        Above about 1.5, `rebuild` pays off within a few dozen queries.
         """
         return super().aging
 
     def rebuild(self, builder: BuilderName = "auto") -> None:
-        """Build the hierarchy anew from where the vertices are.
+        """Build the hierarchy again from the current vertices.
 
-        No answer changes, but which of the faces that meet `distance` names where meshes intersect, and winding numbers
-        of open meshes within their error.
+        Answers stay the same, except for the pair of intersecting faces that `distance` returns,
+        and for winding numbers of open meshes, which vary within their error.
 
         Parameters
         ----------
         builder : str, default "auto"
-            How: ``"auto"``, as a new mesh is built, takes ``"sweep-sah"`` for up to 8,192 faces, ``"binned-sah"`` for
-            up to 131,072 and ``"morton"``, which builds five times as fast, for more. ``"binned-sah"`` is for a large
-            mesh that is asked often: it takes some 0.4 microseconds a face, and questions take up to several times less
-            where faces are uneven. The others, ``"median"``, ``"ploc"``, ``"insertion"`` and ``"reinsertion"``, are
-            there to be compared.
+            Algorithm. ``"auto"``, the default of new meshes, uses ``"sweep-sah"`` for up to 8,192
+            faces, ``"binned-sah"`` for up to 131,072, and ``"morton"``, which builds 5 times as
+            fast, for more. For a large mesh with many queries use ``"binned-sah"``: it takes about
+            0.4 microseconds for each face, and queries are up to several times faster if face sizes
+            vary. ``"median"``, ``"ploc"``, ``"insertion"`` and ``"reinsertion"`` are for
+            comparison.
 
         Raises
         ------
         InputError
-            If it is none of these.
+            If there is no such builder.
 
         Examples
         --------
@@ -314,25 +321,26 @@ class Mesh(PointQueries):
         super().rebuild(chosen(builder, get_args(BuilderName), "builder"))
 
     def bake(self, path: str | os.PathLike[str], *, proxies: bool = False) -> None:
-        """Write the mesh with its hierarchy to a file that `impinge.load` opens where it lies, without building.
+        """Write the mesh with its hierarchy to a file that `impinge.load` maps without building.
 
-        The file is mapped, not read: processes that load it share its pages, so that workers share one hierarchy. Baked
-        into ``/dev/shm`` it stays in memory. It must not be written to while it is in use; baking to the same path
-        again puts another file in its place, and leaves those who use the old one alone.
+        Processes that load the file share one hierarchy, because it is memory-mapped. A file in
+        ``/dev/shm`` stays in memory. Do not write to the file while it is in use. Baking to the
+        same path again replaces the file, and does not affect users of the old one.
 
         Parameters
         ----------
         path : str or os.PathLike
-            A path that ends in ``.impinge``. What `origin` says is kept.
+            A path that ends in ``.impinge``. The data of `origin` is kept.
         proxies : bool
-            Whether the convex hull and the bounding volumes are written, too, for `impinge.fit.proxies`.
+            Whether to write also the convex hull and volumes of `impinge.fit.proxies`.
 
         Raises
         ------
         InputError
-            If it ends in something else, or proxies are wanted of a mesh from a file with other ones than its own.
+            If the path has another extension, or if `proxies` is set and the mesh comes from a file
+            whose proxies do not match it.
         OSError
-            If it cannot be written.
+            If the file cannot be written.
 
         Examples
         --------
@@ -346,50 +354,51 @@ class Mesh(PointQueries):
         path = path_of(path, "path")
         if not path.lower().endswith(".impinge"):
             raise InputError(f"{path!r} does not end in .impinge", kind="option", what="path")
-        _impinge.bake(self, path, self._about(), flag(proxies, "proxies"))
+        _impinge.bake(self, path, self._origin_data(), flag(proxies, "proxies"))
 
     def to_baked(self, *, proxies: bool = False) -> bytes:
-        """Return the bytes that `bake` would write, for `from_baked` or for memory that processes share.
+        """Return the bytes that `bake` would write, for `from_baked` or for shared memory.
 
         Examples
         --------
-        Workers that map one hierarchy, without a file and on Linux; each opens it by the path that it has there::
+        Several processes that map one hierarchy without a file, on Linux; each loads it by its
+        path::
 
             baked = mesh.to_baked()
             shared = multiprocessing.shared_memory.SharedMemory(create=True, size=len(baked))
             shared.buf[:] = baked
             impinge.load(f"/dev/shm/{shared.name}")
         """
-        return _impinge.to_baked(self, self._about(), flag(proxies, "proxies"))
+        return _impinge.to_baked(self, self._origin_data(), flag(proxies, "proxies"))
 
-    def _about(self) -> tuple[list[int], list[int], list[str], str | None]:
-        """Where the faces come from, as the extension takes it."""
+    def _origin_data(self) -> tuple[list[int], list[int], list[str], str | None]:
+        """Return the data of `origin` in the form that the extension takes."""
         if self._origin is None:
             return list(range(self.face_count)), [0] * self.face_count, [""], None
         origin = self._origin
         return origin.polygons.tolist(), origin.part_of.tolist(), list(origin.parts), origin.unit
 
-    def _as_it_is(self) -> Mesh:
-        """Return a mesh that shares all of this one as it is now, and that nobody changes; the same until a refit."""
-        still = self._still
-        if still is None:
-            still = self._still = Mesh._of(self, self._origin)
-        return still
+    def _snapshot(self) -> Mesh:
+        """Return a copy of the mesh as it is now that is never refitted; cached until a refit."""
+        snapshot = self._cached_snapshot
+        if snapshot is None:
+            snapshot = self._cached_snapshot = Mesh._of(self, self._origin)
+        return snapshot
 
     def __repr__(self) -> str:
         """Return the numbers of vertices and faces."""
         return f"Mesh({self.vertex_count:,} vertices, {self.face_count:,} faces)"
 
     def __copy__(self) -> Mesh:
-        """Return a mesh that shares all of this one, until either is refitted."""
+        """Return a mesh that shares all data with this one until either is refitted."""
         return Mesh._of(self, self._origin)
 
     def __deepcopy__(self, memo: object) -> Mesh:
-        """Return a mesh that shares all of this one, until either is refitted: what they share never changes."""
+        """Return a copy as `copy.copy` does."""
         return Mesh._of(self, self._origin)
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle the arrays, out of band where the protocol allows it."""
+        """Pickle the arrays, out of band if the protocol supports it."""
         return _rebuilt, (self.vertices, self.faces, self._origin)
 
 

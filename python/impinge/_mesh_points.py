@@ -1,4 +1,4 @@
-"""What one asks of a single mesh about points and rays, in its own frame."""
+"""Queries on points and rays against a single mesh, in the mesh frame."""
 
 from __future__ import annotations
 
@@ -10,28 +10,30 @@ from impinge._points import ClosestPoint, RayHit, RayHits, hits_of, scalar
 
 
 class PointQueries(_impinge.MeshBase):
-    """A mesh that is asked about points and rays; `Mesh` is the only one."""
+    """Base class of `Mesh` with the queries on points and rays."""
 
     __slots__ = ()
 
     def closest_point(self, points: ArrayLike) -> ClosestPoint:
-        """Return the points of the mesh that are nearest to given ones.
+        """Return the points of the mesh that are nearest to given points.
 
         Parameters
         ----------
         points : (..., 3) array_like of float32 or float64
-            In the mesh's own frame and unit, below 2^300 in magnitude.
+            In the mesh frame and unit, below 2^300 in magnitude.
 
         Returns
         -------
         ClosestPoint
-            Its fields have the leading axes of `points`. The interval from `lower` to `upper` is at most 2^-44 of the
-            mesh's extent and the distance of the point from its centre, added up.
+            The fields have the leading axes of `points`. The interval from `lower` to `upper` is at
+            most 2^-44 of the sum of the mesh's extent and the distance of the point from the mesh's
+            center.
 
         Raises
         ------
         InputError
-            If `points` has another type or shape, or a coordinate is not finite or out of range; it says which.
+            If `points` has another type or shape, or if a coordinate is not finite or out of range;
+            the error names the coordinate.
 
         Examples
         --------
@@ -46,18 +48,19 @@ class PointQueries(_impinge.MeshBase):
         return ClosestPoint(point, upper, scalar(lower), upper, scalar(face))
 
     def signed_distance(self, points: ArrayLike) -> float | NDArray[np.float64]:
-        """Return how far points are from the surface, negative inside the mesh taken as a solid.
+        """Return the distance of points from the surface, negative inside the mesh as a solid.
 
         Parameters
         ----------
         points : (..., 3) array_like of float32 or float64
-            In the mesh's own frame and unit, below 2^128 in magnitude.
+            In the mesh frame and unit, below 2^128 in magnitude.
 
         Returns
         -------
         float or (...) float64 array
-            Zero exactly on the surface, negative exactly where `contains` is true off the surface; infinite for an
-            empty mesh. In magnitude as near to the true distance as `closest_point` says.
+            Zero if and only if the point is on the surface; negative if and only if it is off the
+            surface and `contains` returns True; infinite if the mesh is empty. The magnitude is as
+            accurate as that of `closest_point`.
 
         Raises
         ------
@@ -75,19 +78,22 @@ class PointQueries(_impinge.MeshBase):
         return scalar(_impinge.signed_distance(self, points))  # type: ignore[no-any-return]
 
     def winding_number(self, points: ArrayLike) -> float | NDArray[np.float64]:
-        """Return how often the mesh winds round points: 1 inside a closed one that faces outward, 0 outside.
+        """Return the winding numbers of the mesh around points.
+
+        A closed mesh with outward faces has winding number 1 inside and 0 outside.
 
         Parameters
         ----------
         points : (..., 3) array_like of float32 or float64
-            In the mesh's own frame and unit, below 2^128 in magnitude.
+            In the mesh frame and unit, below 2^128 in magnitude.
 
         Returns
         -------
         float or (...) float64 array
-            Off the surface of a closed mesh an integer, and exact; for an open one a fraction, within 1e-5 and mostly
-            within 1e-13 of the true one. A face whose plane holds the point counts nothing: within a face of a closed
-            mesh the number is the mean of those of both sides.
+            An exact integer for a closed mesh and a point off its surface. A fraction for an open
+            mesh, with an error of at most 1e-5 and mostly below 1e-13. A face whose plane contains
+            the point contributes zero: on a face of a closed mesh the result is the mean of the
+            numbers on both sides.
 
         Raises
         ------
@@ -105,20 +111,20 @@ class PointQueries(_impinge.MeshBase):
         return scalar(_impinge.winding_number(self, points))  # type: ignore[no-any-return]
 
     def contains(self, points: ArrayLike) -> bool | NDArray[np.bool_]:
-        """Whether points are in the mesh taken as a solid: where it winds more than half, either way round.
+        """Report whether points are inside the mesh as a solid, or on its surface.
 
-        The surface counts.
+        A point is inside if its winding number is above 1/2 in magnitude.
 
         Parameters
         ----------
         points : (..., 3) array_like of float32 or float64
-            In the mesh's own frame and unit, below 2^128 in magnitude.
+            In the mesh frame and unit, below 2^128 in magnitude.
 
         Returns
         -------
         bool or (...) bool array
-            Exact for a closed mesh, and on the surface of any. Where an open one winds so close to half that nothing is
-            proved, the point counts as contained.
+            Exact for a closed mesh, and for points on the surface of any mesh. For an open mesh, a
+            point whose winding number is too close to 1/2 to be decided counts as contained.
 
         Raises
         ------
@@ -136,17 +142,17 @@ class PointQueries(_impinge.MeshBase):
         return scalar(_impinge.contains(self, points))  # type: ignore[no-any-return]
 
     def ray_cast(self, origins: ArrayLike, directions: ArrayLike) -> RayHit:
-        """Return the first face that each ray meets, its origin included.
+        """Return the first face that each ray hits, its origin included.
 
-        Whether a ray meets a face, and which first, is decided exactly: none slips between two faces that share an
-        edge. Faces are closed and have no sides.
+        Whether a ray hits a face, and which face it hits first, is decided exactly: no ray slips
+        between two faces that share an edge. Faces are closed and have two sides.
 
         Parameters
         ----------
         origins : (..., 3) array_like of float32 or float64
-            In the mesh's own frame and unit, below 2^300 in magnitude.
+            In the mesh frame and unit, below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
-            Of any length below 2^300 but zero. The leading axes of both broadcast as in NumPy.
+            Of any nonzero length below 2^300. The leading axes of both broadcast as in NumPy.
 
         Returns
         -------
@@ -171,7 +177,7 @@ class PointQueries(_impinge.MeshBase):
         return RayHit(scalar(hit), scalar(t), scalar(face), point)
 
     def ray_cast_all(self, origins: ArrayLike, directions: ArrayLike) -> RayHit | RayHits:
-        """Return every face that each ray meets, in the order in which it does and then by number.
+        """Return every face that each ray hits, in order along the ray, then by face index.
 
         Parameters
         ----------
@@ -181,7 +187,8 @@ class PointQueries(_impinge.MeshBase):
         Returns
         -------
         RayHit or RayHits
-            For a single ray a `RayHit` with as many entries as there are hits; `RayHits` where there are leading axes.
+            For a single ray a `RayHit` with one entry for each hit; `RayHits` if there are leading
+            axes.
 
         Raises
         ------

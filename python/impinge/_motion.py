@@ -1,4 +1,4 @@
-"""Motions of rigid bodies, and when two bodies that move first touch."""
+"""Motions of rigid bodies, and the time at which two moving bodies first touch."""
 
 from __future__ import annotations
 
@@ -18,21 +18,23 @@ from impinge._shape import AnyShape
 
 @final
 class Motion(_impinge.MotionBase):
-    """Where a rigid body is at each time from 0 to 1; or many such motions, in the leading axes of its arrays.
+    """Poses of a rigid body from time 0 to time 1; or many such motions, in leading axes.
 
-    From one pose to another the origin of the body's frame moves evenly along a line, and the body turns evenly about
-    it by the least angle. `Motion.screw` makes any other even motion.
+    Between two poses the origin of the body's frame moves along a line at constant velocity, and
+    the body rotates about it by the smallest angle at constant angular velocity. Use `Motion.screw`
+    for any other motion with constant velocities.
 
     Parameters
     ----------
     pose_t0, pose_t1 : (..., 4, 4) array_like of float32 or float64, or None
-        World from body at the start and at the end; None is the identity. Where their linear parts differ, both must be
-        rigid within 1e-4. The leading axes of both broadcast as in NumPy.
+        World from body at the start and at the end; None is the identity. If their linear parts
+        differ, both poses must be rigid within 1e-4. The leading axes of both broadcast as in
+        NumPy.
 
     Raises
     ------
     InputError
-        If a pose is none, or not rigid; it says which.
+        If a pose is invalid or not rigid; the error names the pose.
 
     Examples
     --------
@@ -44,10 +46,10 @@ class Motion(_impinge.MotionBase):
 
     __slots__ = ("_made_of",)
     _made_of: tuple[NDArray[np.float64] | None, ...]
-    """Two poses; or a pose, both velocities and the pivot, if there is one."""
+    """Constructor arguments: two poses; or a pose, both velocities and the pivot or None."""
 
     def __new__(cls, pose_t0: ArrayLike | None, pose_t1: ArrayLike | None) -> Motion:
-        """Judge the poses."""
+        """Validate the poses."""
         start, end = _pose(pose_t0, "pose_t0"), _pose(pose_t1, "pose_t1")
         lead = _common({"pose_t0": start.shape[:-2], "pose_t1": end.shape[:-2]})
         self = super().__new__(cls, _broadcast(start, lead, 2), _broadcast(end, lead, 2), None)
@@ -58,18 +60,22 @@ class Motion(_impinge.MotionBase):
     def screw(
         cls, pose_t0: ArrayLike | None, linear: ArrayLike, angular: ArrayLike, pivot: ArrayLike | None = None
     ) -> Motion:
-        """Return the motion of a body that turns evenly about an axis, which moves evenly itself; any number of turns.
+        """Return a motion that rotates about an axis that itself moves, both at constant velocity.
+
+        The body may make any number of turns.
 
         Parameters
         ----------
         pose_t0 : (..., 4, 4) array_like of float32 or float64, or None
             World from body at the start.
         linear : (..., 3) array_like of float32 or float64
-            How far the pivot moves in the whole time, in the world frame.
+            Translation of the pivot from time 0 to time 1, in the world frame.
         angular : (..., 3) array_like of float32 or float64
-            How far the body turns in the whole time: the axis, times the angle in radians, at most 2^20.
+            Rotation of the body from time 0 to time 1, in the world frame: the unit axis times the
+            angle in radians, at most 2^20.
         pivot : (..., 3) array_like of float32 or float64, optional
-            A point of the axis at the start, in the world frame; the origin of the body's frame where it is not given.
+            A point of the axis at the start, in the world frame. The default is the origin of the
+            body's frame.
 
         Returns
         -------
@@ -104,17 +110,20 @@ class Motion(_impinge.MotionBase):
         return self
 
     def at(self, t: float) -> NDArray[np.float64]:
-        """Return the poses at a time, (..., 4, 4); exactly the first at 0, and at the nearer end outside of [0, 1].
+        """Return the poses at a time, world from body, (..., 4, 4).
+
+        At time 0 the result is exactly the first pose. A time outside of [0, 1] gives the pose at
+        the nearer end.
 
         Raises
         ------
         InputError
-            If the time is no number.
+            If the time is not a number.
         """
         return self.poses_at(real(t, "t"))
 
     def __repr__(self) -> str:
-        """Return how many motions these are."""
+        """Return the leading axes, if there are any."""
         return f"Motion(shape={tuple(self.shape)})" if self.shape else "Motion()"
 
     def __copy__(self) -> Motion:
@@ -126,26 +135,27 @@ class Motion(_impinge.MotionBase):
         return self
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle what it was made of."""
+        """Pickle the constructor arguments."""
         return (Motion if len(self._made_of) == _POSES else Motion.screw), self._made_of
 
 
 _POSES = 2
-"""What a motion from pose to pose is made of."""
+"""Number of constructor arguments of a motion between two poses."""
 
 
 @dataclass(frozen=True, eq=False)
 class Impact:
-    """When two bodies first touch; arrays where the motions have leading axes.
+    """Time at which two bodies first touch; arrays if the motions have leading axes.
 
     Attributes
     ----------
     hit : bool or (...) bool array
-        Whether contact is to be reckoned with: it is proved, or not disproved.
+        Whether contact is possible: it is proved, or not disproved.
     t_lower : float or (...) float64 array
-        Nothing touches before this time; infinite where contact is disproved for all of [0, 1], and only there.
+        Lower bound: the bodies are apart before this time. Infinite if and only if contact is
+        disproved for all of [0, 1].
     t_upper : float or (...) float64 array
-        Something touches no later than this; infinite where that is not proved.
+        Upper bound: the bodies touch no later than this time. Infinite if contact is not proved.
     """
 
     hit: bool | NDArray[np.bool_]
@@ -162,38 +172,38 @@ def time_of_impact(
     solid: Solid = False,
     progress: bool = False,
 ) -> Impact:
-    """Return when two meshes or shapes that move rigidly first touch.
+    """Compute the time at which two meshes or shapes in rigid motion first touch.
 
-    Those that touch or overlap at the start give 0; those that pass through each other within the time are
-    found.
+    Bodies that touch or overlap at the start give 0. Bodies that pass through each other between
+    time 0 and time 1 are found.
 
     Parameters
     ----------
     a, b : Mesh or Shape
         The two things.
     motion_a, motion_b : Motion, optional
-        None is a body that rests at the origin. The leading axes of both broadcast as in NumPy.
+        None is a body at rest at the origin. The leading axes of both broadcast as in NumPy.
     solid : {False, True, "a", "b"}
-        As for `intersects`: what starts inside a solid touches it at the start.
+        As for `intersects`: a body that starts inside a solid touches it at the start.
     progress : bool
         As for `intersects`.
 
     Returns
     -------
     Impact
-        Its fields gain the leading axes of the motions.
+        The fields have the leading axes of the motions.
 
     Raises
     ------
     InputError
-        If an argument is of another type, leading axes do not broadcast, or a motion starts at a pose that is not
-        rigid, of a round shape.
+        If an argument has an unsupported type, if leading axes do not broadcast, or if the motion
+        of a round shape starts at a pose that is not rigid.
 
     Notes
     -----
-    By conservative advancement over proved distances: nothing touches before `t_lower`, where the two are nearer to
-    each other than 2^-37 of their sizes, or the bounded number of steps was spent. `t_upper` is a time at which they
-    intersect.
+    The algorithm is conservative advancement with proved distance bounds. It stops at `t_lower` if
+    the two are nearer to each other than 2^-37 of their sizes, or if the bounded number of steps is
+    used up. At `t_upper` they intersect.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Where the faces of a mesh from a file come from."""
+"""Origin of the faces of a mesh that was loaded from a file."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from impinge import _impinge
 
 @dataclass(frozen=True, eq=False)
 class Origin:
-    """Where the faces of a mesh from a file come from.
+    """Origin of the faces of a mesh that was loaded from a file.
 
     Attributes
     ----------
     path : str
-        The file; empty for a mesh of bytes.
+        Path of the file; empty for a mesh that was read from bytes.
     format : str
-        The format that it turned out to have.
+        Format that was detected.
     unit : str or None
-        The unit of the vertices, ``"mm"``, where one is known.
+        Unit of the vertices, such as ``"mm"``, if known.
     polygons : (m,) uint32 array
-        The polygon of the file, counted from zero, that each face is a part of.
+        For each face, the index of the polygon in the file that it is a part of, counted from zero.
     part_of : (m,) uint32 array
-        The part that each face belongs to, as an index into `parts`.
+        For each face, the index into `parts` of the part that it belongs to.
     parts : tuple of str
-        The names of the parts; empty text where the file gives none.
+        Names of the parts; empty if the file has none.
     """
 
     path: str
@@ -38,10 +38,10 @@ class Origin:
     parts: tuple[str, ...]
 
     def __repr__(self) -> str:
-        """Return all but the arrays."""
+        """Return all fields except the arrays."""
         return f"Origin({self.path!r}, {self.format}, unit={self.unit!r}, {len(self.parts)} parts)"
 
 
 def origin_of(model: _impinge.Model, path: str) -> Origin:
-    """Return where the faces of a model come from."""
+    """Return the origin of the faces of a loaded model."""
     return Origin(path, model.format, model.unit, model.sources, model.part_of, tuple(model.parts))

@@ -1,4 +1,4 @@
-"""The pairs of faces of many poses in two arrays."""
+"""Pairs of faces for many poses, in two arrays."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from impinge._ragged import Ragged
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Pairs(Ragged[NDArray[np.uint32]]):
-    """Pairs of faces for each of many poses: rows of uneven number, one after another.
+    """Pairs of faces for each of many poses: rows of different lengths, concatenated.
 
     Attributes
     ----------
     offsets : (n + 1,) int64 array
-        The pairs of pose ``i``, in row-major order of the leading axes, are ``rows[offsets[i]:offsets[i + 1]]``.
+        Start of each pose's pairs: the pairs of pose ``i``, in row-major order of the leading axes,
+        are ``rows[offsets[i]:offsets[i + 1]]``.
     rows : (k, 2) uint32 array
         (Face of a, face of b); for each pose sorted and without duplicates.
     shape : tuple of int

@@ -1,4 +1,4 @@
-"""Characters in a world of bodies: a body for each part."""
+"""Characters in a world: one body for each part."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from impinge._character import Character
 from impinge._character_pose import CharacterPose
 from impinge._errors import InputError
-from impinge._handles import ALL_LAYERS, MOST_NUMBER, handles_of
+from impinge._handles import ALL_LAYERS, MAX_NUMBER, handles_of
 from impinge._points import scalar
 from impinge._scalars import whole
 from impinge._world import Kind, World
@@ -21,21 +21,22 @@ from impinge._world import Kind, World
 @final
 @dataclass(frozen=True, eq=False, repr=False)
 class PartBodies:
-    """The parts of one character as bodies of a `World`: put in, moved and taken out together.
+    """The parts of one character as bodies of a `World`: inserted, moved and removed together.
 
-    `insert` makes them. Their owner keeps them from meeting each other. The world finds and tells pairs of parts as
-    those of any other bodies, by their handles; `part` says which part a handle is.
+    Make them with `insert`. Parts with a common owner do not collide with each other. The world
+    reports pairs with parts by handles, like pairs of any other bodies; `part` converts handles to
+    part indices.
 
     Attributes
     ----------
     character : Character
-        Whose parts they are.
+        The character.
     bodies : (p,) uint64 array
-        The handles, part by part.
+        Handles, one for each part.
 
     Examples
     --------
-    Which parts of a boxer a ball strikes::
+    Find the parts of a boxer that a ball hits::
 
         world = impinge.World()
         boxer = impinge.PartBodies.insert(world, robot.at("Robot_Punch", 0.0), owner=1)
@@ -45,7 +46,7 @@ class PartBodies:
         step = world.step(ball, impinge.pose([0, 3, 0]))
         struck = {robot.parts[part].name for part in boxer.part(step.began).ravel() if part >= 0}
 
-    One step moves a crowd, given lists of `PartBodies` and of `CharacterPose`::
+    Move a crowd in one step, given lists of `PartBodies` and of `CharacterPose`::
 
         bodies, poses = zip(*(own.moves(pose) for own, pose in zip(crowd, crowd_poses)))
         world.step(np.concatenate(bodies), np.concatenate(poses))
@@ -66,33 +67,34 @@ class PartBodies:
         owner: int | None = None,
         tag: int = 0,
     ) -> PartBodies:
-        """Put a body into a world for each part of a character, where its pose has it.
+        """Insert a body into a world for each part of a character, at its place in a pose.
 
         Parameters
         ----------
         world : World
-            Whose next step tells what they meet.
+            The world; its next step reports the pairs of the parts.
         pose : CharacterPose
-            What `Character.at` returned.
+            A result of `Character.at`.
         kind, layers, meets
             As for `World.insert`.
         owner : int, optional
-            A number of the character's own. Without one, parts that overlap meet each other.
+            A number that only this character uses. Without it, overlapping parts collide with each
+            other.
         tag : int
-            Of the first part; tags count on from it, part by part.
+            Tag of the first part; the following parts have the following numbers.
 
         Raises
         ------
         InputError
-            If an argument is none of the above; nothing was inserted then.
+            If an argument is invalid. Nothing is inserted then.
         """
         if not isinstance(world, World):
             raise InputError(f"must be a World, not {type(world).__name__}", kind="type", what="world")
-        _known(pose)
+        _check_pose(pose)
         character, places = pose.character, pose._core.body_poses()
         insert = partial(world.insert, kind=kind, layers=layers, meets=meets, owner=owner)
         inserted: list[Any] = []
-        first = whole(tag, "tag", most=MOST_NUMBER + 1 - len(places))
+        first = whole(tag, "tag", maximum=MAX_NUMBER + 1 - len(places))
         try:
             for part, (shape, place) in enumerate(zip(character._shapes(), places, strict=True)):
                 inserted.append(insert(shape, place, tag=first + part))
@@ -104,17 +106,17 @@ class PartBodies:
         return cls(character, bodies)
 
     def part(self, bodies: ArrayLike) -> Any:
-        """Return the part that each body of the world is, as an index into `Character.parts`; -1 where it is none.
+        """Return the part of each body, as an index into `Character.parts`; -1 for other bodies.
 
         Parameters
         ----------
         bodies : int or (...) array_like of integers
-            Handles: pairs that began, for example.
+            Handles, such as the pairs that began.
 
         Returns
         -------
         int or (...) int64 array
-            The parts.
+            Indices of the parts.
         """
         handles, lead = handles_of(bodies)
         order = np.argsort(self.bodies)
@@ -122,17 +124,17 @@ class PartBodies:
         return scalar(np.where(self.bodies[at] == handles, at, -1).reshape(lead))
 
     def moves(self, pose: CharacterPose) -> tuple[NDArray[np.uint64], NDArray[np.float64]]:
-        """Return the handles and where they are to go as the character takes a pose: the arguments of `World.step`.
+        """Return the arguments of `World.step` that move the bodies to a pose of the character.
 
         Parameters
         ----------
         pose : CharacterPose
-            Of this character.
+            A pose of this character.
 
         Returns
         -------
         bodies : (p,) uint64 array
-            The handles.
+            Handles.
         poses : (p, 4, 4) float64 array
             World from body.
 
@@ -141,18 +143,18 @@ class PartBodies:
         InputError
             If it is a pose of another character.
         """
-        _known(pose)
+        _check_pose(pose)
         if pose.character is not self.character:
             raise InputError("is a pose of another character", kind="type", what="pose")
         return self.bodies, pose._core.body_poses()
 
     def remove(self, world: World) -> None:
-        """Take the bodies out of their world.
+        """Remove the bodies from their world.
 
         Raises
         ------
         InputError
-            If one of them is gone already; none was taken out then.
+            If one of them was removed before. Nothing is removed then.
         """
         world.remove(self.bodies)
 
@@ -161,7 +163,7 @@ class PartBodies:
         return f"PartBodies({len(self.bodies)} bodies of {self.character!r})"
 
 
-def _known(pose: object) -> None:
+def _check_pose(pose: object) -> None:
     if not isinstance(pose, CharacterPose):
-        message = f"must be what Character.at() returned, not {type(pose).__name__}"
+        message = f"must be a CharacterPose, the result of Character.at(), not {type(pose).__name__}"
         raise InputError(message, kind="type", what="pose")

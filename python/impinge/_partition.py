@@ -1,4 +1,4 @@
-"""What all partitions answer, and what is done to those whose boxes move."""
+"""Base classes of all partitions: the queries, and the updates of partitions with moving boxes."""
 
 from __future__ import annotations
 
@@ -14,26 +14,27 @@ from impinge._partition_answers import BoxHit, BoxHits, Changes, Keys, Nearest
 from impinge._points import scalar
 from impinge._scalars import real, whole
 
-MOST_KEYS = 2**32 - 1
-"""Keys are below this."""
+KEY_LIMIT = 2**32 - 1
+"""Exclusive upper bound of keys."""
 
 NO_BOXES = np.zeros((0, 3))
 
 
 class Options(NamedTuple):
-    """What a partition is, its boxes aside."""
+    """Options of a partition, without its boxes."""
 
     kind: str
     size: tuple[float, str] = (0.0, "low")
-    """The edge of a cell or the margin of a leaf, and what the argument is called."""
+    """Edge of a cell or margin of a leaf, and the name of that argument."""
     space: NDArray[np.float64] | None = None
-    """(2, 3) corners of what cells are laid over."""
+    """Corners (2, 3) of the region that cells cover."""
 
 
 class Partition:
-    """Boxes under keys, and where they are; `impinge.partition` has the kinds.
+    """Boxes under keys, and queries on them; `impinge.partition` has the kinds.
 
-    Every kind gives the same answers. They are exact, touching counts, and a point is a box without an extent.
+    Every kind returns the same answers. They are exact, touching counts, and a point is a box
+    without extent.
     """
 
     __slots__ = ("_core", "_options")
@@ -41,12 +42,12 @@ class Partition:
     _options: Options
 
     def _make(self, options: Options, low: ArrayLike, high: ArrayLike | None, reach: int = 0) -> None:
-        """Hold these boxes; keys below `reach` were used before."""
+        """Insert the boxes; keys below `reach` were used before."""
         self._options = options
         self._core = _impinge.PartitionCore(options.kind, low, high, options.size, options.space, reach)
 
     def __len__(self) -> int:
-        """Return how many boxes there are."""
+        """Return the number of boxes."""
         return self._core.len()
 
     def __repr__(self) -> str:
@@ -54,47 +55,50 @@ class Partition:
         return f"<impinge.partition.{type(self).__name__}: {len(self)} boxes>"
 
     def __copy__(self) -> Self:
-        """Return a partition of its own with the same boxes; cheap until one of the two changes."""
+        """Return an independent partition; data is shared until one of the two changes."""
         copied = object.__new__(type(self))
         copied._core, copied._options = self._core.copy(), self._options
         return copied
 
     def __deepcopy__(self, memo: object) -> Self:
-        """Return what `copy.copy` does, which shares nothing that changes."""
+        """Return the same as `copy.copy`, which shares nothing mutable."""
         return self.__copy__()
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Return how to put the boxes together again."""
+        """Pickle the kind, the options, the keys and the boxes."""
         keys = self.keys
-        return _again, (type(self), self._options, self._core.reach(), keys, self.boxes(keys))
+        return _restored, (type(self), self._options, self._core.reach(), keys, self.boxes(keys))
 
     @property
     def keys(self) -> NDArray[np.uint32]:
-        """The keys of all boxes, ascending."""
+        """Keys of all boxes, ascending."""
         return self._core.keys()
 
     @property
     def bounds(self) -> NDArray[np.float64] | None:
-        """Corners, (2, 3), of a box about all, which may be too large after some went; none where there are none."""
+        """Corners (2, 3) of a box around all boxes; None if there are no boxes.
+
+        It may be too large after boxes were removed.
+        """
         return self._core.bounds()
 
     @property
     def cells(self) -> Literal["disjoint", "loose", "volumes", "order"]:
-        """What the kind does to space.
+        """Kind of subdivision of space.
 
-        Cells that share no inner point (``"disjoint"``), cells that are enlarged until each box fits into one
-        (``"loose"``), volumes about boxes, which may overlap (``"volumes"``), or no cells but the order of the boxes
-        along axes (``"order"``).
+        ``"disjoint"`` cells share no inner point. ``"loose"`` cells are enlarged until each box
+        fits into one. ``"volumes"`` around boxes may overlap. ``"order"`` means that there are no
+        cells, only the order of the boxes along axes.
         """
         return self._core.cells()
 
     def boxes(self, keys: ArrayLike | None = None) -> NDArray[np.float64]:
-        """Return the boxes of keys.
+        """Return the boxes with given keys.
 
         Parameters
         ----------
         keys : (n,) array_like of integers, optional
-            All, by ascending keys, where they are not given.
+            The keys. Without them, all boxes are returned, by ascending keys.
 
         Returns
         -------
@@ -104,28 +108,29 @@ class Partition:
         Raises
         ------
         InputError
-            If there is no box of a key; it says which.
+            If there is no box with a key; the error names the entry.
         """
         return self._core.boxes(self.keys if keys is None else _keys(keys, "keys"))
 
     def overlapping(self, low: ArrayLike, high: ArrayLike | None = None) -> NDArray[np.uint32] | Keys:
-        """Return the boxes that meet given ones.
+        """Return the boxes that overlap given boxes or points.
 
         Parameters
         ----------
         low, high : (..., 3) array_like of float32 or float64
-            Lower and upper corners, below 2^320 in magnitude; leading axes broadcast as in NumPy. Points where `high`
-            is not given.
+            Lower and upper corners, below 2^320 in magnitude; leading axes broadcast as in NumPy.
+            Without `high`, the queries are points.
 
         Returns
         -------
         (k,) uint32 array or Keys
-            Keys, ascending; `Keys` where there are leading axes.
+            Keys, ascending; `Keys` if there are leading axes.
 
         Raises
         ------
         InputError
-            If a number is not in range, or an upper corner is below a lower one; it says which.
+            If a number is out of range, or if an upper corner is below a lower one; the error names
+            the entry.
 
         Examples
         --------
@@ -140,28 +145,29 @@ class Partition:
         return Keys(offsets, keys, tuple(shape)) if shape else keys
 
     def ray_cast(self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf) -> BoxHit:
-        """Return the first box that each ray enters; of several at one place the one with the least key.
+        """Return the first box that each ray enters, by parameter and then by key.
 
-        A ray that passes a box by 2^-50 of the way may count as entering it; none that enters one is missed.
+        No box that a ray enters is missed. A ray that misses a box by a relative distance of 2^-50
+        may count as entering it.
 
         Parameters
         ----------
         origins : (..., 3) array_like of float32 or float64
             Below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
-            Of a length from 2^-600 to 2^300. The leading axes of both broadcast as in NumPy.
+            With a length from 2^-600 to 2^300. The leading axes of both broadcast as in NumPy.
         reach : float
-            How far, in units of the directions' lengths.
+            Maximum ray parameter, in units of the directions' lengths.
 
         Returns
         -------
         BoxHit
-            Its fields have the leading axes.
+            The fields have the leading axes.
 
         Raises
         ------
         InputError
-            If a number is not in range or a direction is zero; it says which.
+            If a number is out of range or a direction is zero; the error names the entry.
 
         Examples
         --------
@@ -171,11 +177,11 @@ class Partition:
         >>> hit.key, round(hit.t, 9)
         (1, 2.0)
         """
-        t, key = _impinge.partition_ray_cast(self._core, origins, directions, real(reach, "reach", least=0))
+        t, key = _impinge.partition_ray_cast(self._core, origins, directions, real(reach, "reach", minimum=0))
         return BoxHit(scalar(t), scalar(key))
 
     def ray_cast_all(self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf) -> BoxHit | BoxHits:
-        """Return every box that each ray enters, by where it does and then by key.
+        """Return every box that each ray enters, in order along the ray and then by key.
 
         Parameters
         ----------
@@ -185,7 +191,8 @@ class Partition:
         Returns
         -------
         BoxHit or BoxHits
-            For a single ray a `BoxHit` with as many entries as there are boxes.
+            For a single ray a `BoxHit` with one entry for each box; `BoxHits` if there are leading
+            axes.
 
         Raises
         ------
@@ -193,7 +200,7 @@ class Partition:
             As for `ray_cast`.
         """
         offsets, t, key, shape = _impinge.partition_ray_cast_all(
-            self._core, origins, directions, real(reach, "reach", least=0)
+            self._core, origins, directions, real(reach, "reach", minimum=0)
         )
         return BoxHits(offsets, t, key, tuple(shape)) if shape else BoxHit(t, key)
 
@@ -205,17 +212,17 @@ class Partition:
         points : (..., 3) array_like of float32 or float64
             Below 2^320 in magnitude.
         count : int
-            How many for each.
+            Number of boxes for each point.
 
         Returns
         -------
         Nearest
-            Its fields have the leading axes and one of length `count`.
+            The fields have the leading axes and one axis of length `count`.
 
         Raises
         ------
         InputError
-            If a number is not in range, or `count` no whole number.
+            If a number is out of range, or if `count` is not an integer.
 
         Examples
         --------
@@ -228,16 +235,18 @@ class Partition:
         return Nearest(*_impinge.partition_nearest(self._core, points, whole(count, "count")))
 
     def pairs(self) -> NDArray[np.uint32]:
-        """Return all pairs of boxes that meet, (k, 2), sorted, the lesser key first."""
+        """Return all pairs of overlapping boxes, (k, 2), sorted, the smaller key first."""
         return _impinge.partition_pairs(self._core)
 
     def pairs_with(self, other: Partition) -> NDArray[np.uint32]:
-        """Return all pairs of a box of this partition and one of the other that meet, (k, 2), in this order, sorted.
+        """Return all overlapping pairs of a box of this partition and a box of another one.
+
+        The result has shape (k, 2), with the key in this partition first, and is sorted.
 
         Raises
         ------
         InputError
-            If `other` is no partition.
+            If `other` is not a partition.
         """
         if not isinstance(other, Partition):
             raise InputError(f"must be a partition, not {type(other).__name__}", kind="type", what="other")
@@ -245,35 +254,35 @@ class Partition:
 
 
 class DynamicPartition(Partition):
-    """A partition whose boxes come, go and move."""
+    """A partition whose boxes can be inserted, moved and removed."""
 
     __slots__ = ()
 
     def step(
         self, keys: ArrayLike, low: ArrayLike, high: ArrayLike | None = None, *, removed: ArrayLike = ()
     ) -> Changes:
-        """Put boxes where they are now, take others away, and return which pairs that changed.
+        """Insert, move and remove boxes, and return the pairs that changed.
 
         Parameters
         ----------
         keys : (n,) array_like of integers
-            Of the boxes that move, or come where there is none of that key; of several of one key the last holds.
-            Memory grows with the greatest key, so that they are to be dense: a key from 2^20 on that is 16 times the
-            number of boxes is refused.
+            Keys of the boxes to move, or to insert if there is no box with the key. If a key occurs
+            several times, its last box is used. Memory grows with the largest key, so use dense
+            keys: a key of at least 2^20 is rejected if it is 16 times the number of boxes.
         low, high : (n, 3) array_like of float32 or float64
-            Their places, as for `overlapping`.
+            New corners, as for `overlapping`.
         removed : (m,) array_like of integers
-            Keys of boxes that go, which were there before.
+            Keys of existing boxes to remove.
 
         Returns
         -------
         Changes
-            The pairs that began and that ended.
+            The pairs that began and ended to overlap.
 
         Raises
         ------
         InputError
-            If an argument is none of the above; nothing was moved then.
+            If an argument is invalid. Nothing is changed then.
 
         Examples
         --------
@@ -289,10 +298,10 @@ class DynamicPartition(Partition):
         return Changes(*self._core.step(_keys(keys, "keys"), places, high, _keys(removed, "removed")))
 
 
-def _again(
+def _restored(
     kind: type[Partition], options: Options, reach: int, keys: NDArray[np.uint32], boxes: NDArray[np.float64]
 ) -> Partition:
-    """Return a partition of these boxes; what cannot move has the keys 0, 1, 2, ..."""
+    """Return a partition of the given boxes; kinds that cannot move use the keys 0, 1, 2, ..."""
     again, (low, high) = object.__new__(kind), (boxes[:, 0], boxes[:, 1])
     if isinstance(again, DynamicPartition):
         again._make(options, NO_BOXES, None, reach)
@@ -303,4 +312,4 @@ def _again(
 
 
 def _keys(keys: ArrayLike, name: str) -> NDArray[np.uint32]:
-    return plain_numbers(keys, name, MOST_KEYS - 1).reshape(-1).astype(np.uint32)
+    return plain_numbers(keys, name, KEY_LIMIT - 1).reshape(-1).astype(np.uint32)

@@ -1,4 +1,4 @@
-"""What a partition answers: which boxes are somewhere, what rays enter, what is near, what a step changed."""
+"""Results of a partition: boxes in regions, on rays and near points, and the changes at a step."""
 
 from __future__ import annotations
 
@@ -12,16 +12,17 @@ from impinge._ragged import Ragged
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Keys(Ragged[NDArray[np.uint32]]):
-    """The boxes that were found for each of many questions, one's after another's.
+    """Boxes found by each of many queries, concatenated query by query.
 
     Attributes
     ----------
     offsets : (n + 1,) int64 array
-        Those of question ``i``, in row-major order of the leading axes, are ``keys[offsets[i]:offsets[i + 1]]``.
+        Start of each query's boxes: the boxes of query ``i``, in row-major order of the leading
+        axes, are ``keys[offsets[i]:offsets[i + 1]]``.
     keys : (k,) uint32 array
-        Ascending for each question.
+        Keys of the boxes, ascending for each query.
     shape : tuple of int
-        The leading axes of the questions; their product is ``n``.
+        The leading axes of the queries; their product is ``n``.
     """
 
     offsets: NDArray[np.int64]
@@ -41,15 +42,16 @@ class Keys(Ragged[NDArray[np.uint32]]):
 
 @dataclass(frozen=True, eq=False)
 class BoxHit:
-    """Which boxes rays enter; numbers where a single ray was cast and its first box asked for.
+    """Boxes that rays enter; plain numbers for the first box of a single ray.
 
     Attributes
     ----------
     t : float or (...) float64 array
-        Where the ray enters, in units of the direction's length, zero where it starts inside; infinite where no box is
-        met. Never later than the true place, and within 2^-49 of itself of it.
+        Ray parameter of the entry, in units of the direction's length. Zero if the ray starts
+        inside, infinite if it enters no box. Never greater than the true value, with a relative
+        error of at most 2^-49.
     key : int or (...) int64 array
-        The box; -1 where none is met.
+        Key of the box; -1 if the ray enters no box.
     """
 
     t: float | NDArray[np.float64]
@@ -58,17 +60,18 @@ class BoxHit:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BoxHits(Ragged[BoxHit]):
-    """Every box that each of many rays enters, one ray's after another's.
+    """All boxes that each of many rays enters, concatenated ray by ray.
 
     Attributes
     ----------
     offsets : (n + 1,) int64 array
-        The boxes of ray ``i``, in row-major order of the leading axes, are those from ``offsets[i]`` to
-        ``offsets[i + 1]``; for each ray by `t` and then by key.
+        Start of each ray's boxes: the boxes of ray ``i``, in row-major order of the leading axes,
+        go from ``offsets[i]`` to ``offsets[i + 1]``. The boxes of a ray are sorted by `t`, then by
+        key.
     t : (k,) float64 array
         As in `BoxHit`.
     key : (k,) int64 array
-        The boxes.
+        Keys of the boxes.
     shape : tuple of int
         The leading axes of the rays; their product is ``n``.
     """
@@ -91,14 +94,15 @@ class BoxHits(Ragged[BoxHit]):
 
 @dataclass(frozen=True, eq=False)
 class Nearest:
-    """The boxes that are nearest to points, by distance and then by key.
+    """Boxes that are nearest to points, sorted by distance, then by key.
 
     Attributes
     ----------
     key : (..., count) int64 array
-        The boxes; -1 where there are not so many.
+        Keys of the boxes; -1 if there are fewer than `count` boxes.
     distance : (..., count) float64 array
-        From the point to the box, zero inside; within 2^-50 of itself of the true one, infinite where `key` is -1.
+        Distance from the point to the box, zero inside, with a relative error of at most 2^-50;
+        infinite if `key` is -1.
     """
 
     key: NDArray[np.int64]
@@ -107,19 +111,19 @@ class Nearest:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Changes:
-    """Which pairs of boxes a step changed; sorted, the lesser key first.
+    """Pairs of boxes that a step changed; sorted, the smaller key first.
 
     Attributes
     ----------
     began : (k, 2) uint32 array
-        Pairs that meet now and did not before.
+        Pairs that overlap now and did not before.
     ended : (k, 2) uint32 array
-        Pairs that met before and do not now.
+        Pairs that overlapped before and do not now.
     """
 
     began: NDArray[np.uint32]
     ended: NDArray[np.uint32]
 
     def __repr__(self) -> str:
-        """Return how many pairs began and ended."""
+        """Return the numbers of pairs that began and ended."""
         return f"Changes({len(self.began)} began, {len(self.ended)} ended)"

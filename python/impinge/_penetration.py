@@ -1,4 +1,4 @@
-"""How deep two meshes or shapes are in each other."""
+"""Measures how deep two meshes or shapes penetrate each other."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from numpy.typing import NDArray
 
 from impinge import _impinge
 from impinge._points import scalar
-from impinge._rows import Pose, Raising, Stating, Statuses, beside_status
+from impinge._rows import Pose, RaiseOptions, Statuses, StatusOptions, with_status
 from impinge._shape import AnyShape
 
 
 @dataclass(frozen=True, eq=False)
 class Penetration:
-    """How deep two things are in each other, with what was proved about it; arrays where the poses have leading axes.
+    """Penetration depth of two things with proved bounds; arrays if the poses have leading axes.
 
     Attributes
     ----------
     depth : float or (...) float64 array
-        `upper`; zero if the two are apart, and if they touch.
+        Equal to `upper`; zero if the two are apart or only touch.
     lower, upper : float or (...) float64 array
-        No translation shorter than `lower` takes their interiors apart; moving the second by `upper` along the normal
-        does. In world units; infinite where nothing does.
+        Bounds of the penetration depth, in world units. Moving the second by `upper` along the
+        normal separates the interiors; no translation shorter than `lower` does. Infinite if no
+        translation separates them.
     normal : (..., 3) float64 array
-        Of length 1, from the first to the second, in the world frame; zero where they are apart.
+        Unit vector from the first to the second, in the world frame; zero if they are apart.
     point_a, point_b : (..., 3) float64 array
-        The points of either that are deepest in the other, in the world frame, rounded; zero where they are
-        apart.
+        Deepest point of each in the other, in the world frame, rounded; zero if they are apart.
     hit : bool or (...) bool array
         Whether they intersect.
     """
@@ -45,11 +45,11 @@ class Penetration:
 
 @overload
 def penetration(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Raising]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[RaiseOptions]
 ) -> Penetration: ...
 @overload
 def penetration(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[Stating]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[StatusOptions]
 ) -> tuple[Penetration, Statuses]: ...
 def penetration(
     a: AnyShape,
@@ -60,30 +60,32 @@ def penetration(
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
 ) -> Any:
-    """Return how deep two meshes or shapes are in each other: a short way to take them apart.
+    """Compute how deep two meshes or shapes penetrate each other, and how to separate them.
 
     Parameters
     ----------
     a, b : Mesh or Shape
-        The two things. A mesh is taken as a solid: all about which it winds more than half.
+        The two things. A mesh is treated as a solid: its surface and all points with a winding
+        number above 1/2 in magnitude.
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
         World from mesh; None is the identity. Leading axes broadcast as in NumPy.
     on_error : {"raise", "status"}
-        As for `intersects`. Nothing is proved about rows with a bad pose: their depth is from zero to infinity.
+        As for `intersects`. For an invalid pose the bounds are zero and infinity.
     progress : bool
         As for `intersects`.
 
     Returns
     -------
     Penetration
-        Moving `b` by `upper` along the normal takes the interiors apart, nothing shorter than `lower` does. Zero if
-        they touch or are apart. Of two convex shapes the bounds are close. For meshes and compounds the shortest way is
-        searched for, in some hundred distances a row.
+        A translation of `b` by `upper` along the normal that separates the interiors; no
+        translation shorter than `lower` does. Zero if the two touch or are apart. The bounds are
+        close for two convex shapes. For meshes and compounds the shortest translation is found by a
+        search that costs about a hundred distance queries for each row.
 
     Raises
     ------
     InputError
-        If an argument is none of the above; it says which row and entry.
+        If an argument is invalid; the error names the row and the entry.
 
     Examples
     --------
@@ -99,11 +101,11 @@ def penetration(
     (0.5, array([1., 0., 0.]))
     """
     answer = _impinge.penetration((a, b, pose_a, pose_b, False, on_error, progress))
-    return beside_status(answer, on_error, _made)
+    return with_status(answer, on_error, _penetration_of)
 
 
-def _made(columns: Any) -> Penetration:
-    """Return what the extension has in columns: plain numbers in place of arrays without axes."""
+def _penetration_of(columns: Any) -> Penetration:
+    """Return a `Penetration`; 0-dimensional columns become plain numbers."""
     hit, lower, upper, normal, point_a, point_b = columns
     upper = scalar(upper)
     return Penetration(upper, scalar(lower), upper, normal, point_a, point_b, scalar(hit))

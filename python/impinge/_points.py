@@ -1,4 +1,4 @@
-"""Where points are to a mesh, and where rays meet it."""
+"""Results of queries on points and rays against one mesh."""
 
 from __future__ import annotations
 
@@ -13,18 +13,19 @@ from impinge._ragged import Ragged
 
 @dataclass(frozen=True, eq=False)
 class ClosestPoint:
-    """The points of a mesh that are nearest to given ones; numbers where a single one was given.
+    """Points of a mesh that are nearest to given points; plain numbers for a single point.
 
     Attributes
     ----------
     point : (..., 3) float64 array
-        The nearest point, in the mesh's own frame, rounded; zero where the mesh is empty.
+        Nearest point in the mesh frame, rounded; zero if the mesh is empty.
     distance : float or (...) float64 array
-        `upper`.
+        Equal to `upper`.
     lower, upper : float or (...) float64 array
-        The true distance lies between them, in the mesh's unit; infinite where the mesh is empty.
+        Bounds of the true distance, in the unit of the mesh; infinite if the mesh is empty.
     face : int or (...) int64 array
-        The face that the point is on, the first of those that are equally near; -1 where the mesh is empty.
+        Face that contains the nearest point, the first if several are equally near; -1 if the mesh
+        is empty.
     """
 
     point: NDArray[np.float64]
@@ -36,19 +37,20 @@ class ClosestPoint:
 
 @dataclass(frozen=True, eq=False)
 class RayHit:
-    """Where rays meet a mesh; numbers where a single one was cast.
+    """Hits of rays on a mesh; plain numbers for a single ray.
 
     Attributes
     ----------
     hit : bool or (...) bool array
-        Whether the ray meets the mesh.
+        Whether the ray hits the mesh.
     t : float or (...) float64 array
-        In units of the direction's length, within 2^-40 of itself of the true one; infinite where nothing is met.
+        Ray parameter of the hit, in units of the direction's length, with a relative error of at
+        most 2^-40; infinite if the ray misses.
     face : int or (...) int64 array
-        The face that is met, the first of those that are met in one point; -1 where none is.
+        Face that is hit, the first if several are hit in one point; -1 if the ray misses.
     point : (..., 3) float64 array
-        The point, in the mesh's own frame, rounded; zero where nothing is met. Of a ray so short that `t` is the
-        largest float, the point there.
+        Point of the hit in the mesh frame, rounded; zero if the ray misses. If the direction is so
+        short that `t` is the largest float, the point of the ray at that `t`.
     """
 
     hit: bool | NDArray[np.bool_]
@@ -59,19 +61,19 @@ class RayHit:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RayHits(Ragged[RayHit]):
-    """Everything that each of many rays meets, one ray's hits after another's.
+    """All hits of many rays, concatenated ray by ray.
 
     Attributes
     ----------
     offsets : (n + 1,) int64 array
-        The hits of ray ``i``, in row-major order of the leading axes, are those from ``offsets[i]`` to
-        ``offsets[i + 1]``; for each ray in the order in which it meets them.
+        Start of each ray's hits: the hits of ray ``i``, in row-major order of the leading axes, go
+        from ``offsets[i]`` to ``offsets[i + 1]``. The hits of a ray are in the order along the ray.
     t : (k,) float64 array
-        Where, in units of the directions' lengths.
+        Ray parameters of the hits, in units of the directions' lengths.
     face : (k,) int64 array
-        The faces that are met.
+        Faces that are hit.
     point : (k, 3) float64 array
-        The points, in the mesh's own frame, rounded.
+        Points of the hits in the mesh frame, rounded.
     shape : tuple of int
         The leading axes of the rays; their product is ``n``.
 
@@ -104,10 +106,10 @@ class RayHits(Ragged[RayHit]):
 
 
 def hits_of(t: NDArray[np.float64], face: NDArray[np.int64], point: NDArray[np.float64]) -> RayHit:
-    """Return what one ray meets: arrays of as many entries as there are hits."""
+    """Return all hits of one ray: arrays with one entry for each hit."""
     return RayHit(np.ones(len(t), bool), t, face, point)
 
 
 def scalar(column: NDArray[Any]) -> Any:
-    """Return a plain number in place of an array without axes."""
+    """Return a plain number if `column` is a 0-dimensional array, otherwise `column`."""
     return column if column.ndim else column.item()

@@ -9,7 +9,8 @@ from impinge._arrays import plain_reals
 from impinge._errors import InputError
 
 _TOLERANCE = 1e-3
-"""How far the length of a quaternion may be from 1: three decimal digits pass, one never normalised does not."""
+"""Maximum deviation of a quaternion's length from 1. Quaternions printed with three decimal digits
+pass; one that was never normalized is rejected."""
 
 
 def pose(
@@ -29,12 +30,13 @@ def pose(
     t : (..., 3) array_like
         The translation, in world units.
     quat_wxyz, quat_xyzw : (..., 4) array_like, optional
-        A unit quaternion, real part first or last; its length must be within 1e-3 of 1, and is divided out. Half and
-        quarter turns about the axes come out exact.
+        A unit quaternion, real part first or last. Its length must be within 1e-3 of 1; the
+        quaternion is normalized. Half and quarter turns about the axes are exact.
     rpy : (..., 3) array_like, optional
-        Roll, pitch and yaw in radians, as in URDF: turns about the fixed x, y and z axes, in that order.
+        Roll, pitch and yaw in radians, as in URDF: rotations about the fixed x, y and z axes, in
+        that order.
     rotation : (..., 3, 3) array_like, optional
-        The linear part itself, rows first, for column vectors; used as given.
+        The linear part itself, rows first, for column vectors; used unchanged.
 
     Returns
     -------
@@ -44,8 +46,8 @@ def pose(
     Raises
     ------
     InputError
-        If more than one rotation is given, an argument has another shape or is not finite, or a quaternion is not of
-        unit length.
+        If more than one rotation is given, if an argument has another shape or is not finite, or if
+        a quaternion does not have unit length.
 
     Examples
     --------
@@ -59,7 +61,8 @@ def pose(
     given = {"quat_wxyz": quat_wxyz, "quat_xyzw": quat_xyzw, "rpy": rpy, "rotation": rotation}
     chosen = {name: value for name, value in given.items() if value is not None}
     if len(chosen) > 1:
-        raise InputError(f"one rotation is enough, not {' and '.join(chosen)}", kind="option", what=next(iter(chosen)))
+        message = f"{' and '.join(chosen)} are both given; pass one rotation at most"
+        raise InputError(message, kind="option", what=next(iter(chosen)))
     translation = plain_reals(t, "t", (3,))
     if quat_wxyz is not None:
         linear = _of_quaternion(plain_reals(quat_wxyz, "quat_wxyz", (4,)), "quat_wxyz")
@@ -90,7 +93,7 @@ def _of_quaternion(wxyz: NDArray[np.float64], name: str) -> NDArray[np.float64]:
     if len(broken):
         at = tuple(map(int, broken[0]))
         message = f"the quaternion has length {length[at]:.6g}, not 1"
-        raise InputError(message, kind="not-unit-quaternion", what=name, where=at, hint="normalise it")
+        raise InputError(message, kind="not-unit-quaternion", what=name, where=at, hint="normalize it")
     w, x, y, z = np.moveaxis(wxyz, -1, 0)
     rows = [
         [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -98,7 +101,7 @@ def _of_quaternion(wxyz: NDArray[np.float64], name: str) -> NDArray[np.float64]:
         [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
     ]
     rotation: NDArray[np.float64] = np.moveaxis(np.array(rows), (0, 1), (-2, -1)) / squared[..., None, None]
-    rotation += 0.0  # turns a negative zero into the positive one
+    rotation += 0.0  # replaces negative zeros with positive ones
     return rotation
 
 

@@ -1,4 +1,4 @@
-"""How far a long call is, in one line of stderr."""
+"""Progress of a long call, in one line of stderr."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import time
 
 
 class Line:
-    """A line that is written anew as rows are answered; the extension makes one where ``progress=True`` asks for it."""
+    """Progress line of a call with ``progress=True``; the extension creates and updates it."""
 
     def __init__(self, rows: int) -> None:
         self._rows = rows
@@ -15,7 +15,7 @@ class Line:
         self._width = 0
 
     def show(self, done: int) -> None:
-        """Say how many rows are answered, and how long the others will take at this pace."""
+        """Write the number of finished rows, and the remaining time at the current speed."""
         text = f"impinge: {done:,} of {self._rows:,}"
         if done:
             left = (time.monotonic() - self._start) * (self._rows - done) / done
@@ -23,7 +23,7 @@ class Line:
         self._write(text)
 
     def end(self) -> None:
-        """Clear the line: what a call leaves behind is its answer."""
+        """Clear the line."""
         if self._width:
             self._write("")
             self._width = 0

@@ -1,4 +1,4 @@
-"""Answers of uneven number for each of many rows, one after another."""
+"""Results of different lengths for many rows, concatenated."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 Row = TypeVar("Row")
-"""What there is for one row."""
+"""The result for one row."""
 
 
 class Ragged(ABC, Generic[Row]):
-    """A sequence over the first leading axis; a subclass says how its arrays are cut.
+    """A sequence of results over the first leading axis; subclasses define how arrays are split.
 
     Attributes
     ----------
     offsets : (n + 1,) int64 array
-        What there is for row ``i``, in row-major order of the leading axes, goes from ``offsets[i]`` to
-        ``offsets[i + 1]``.
+        Start of each row's entries: the entries of row ``i``, in row-major order of the leading
+        axes, go from ``offsets[i]`` to ``offsets[i + 1]``.
     shape : tuple of int
         The leading axes; their product is ``n``.
     """
@@ -30,18 +30,18 @@ class Ragged(ABC, Generic[Row]):
 
     @abstractmethod
     def _row(self, entries: slice) -> Row:
-        """Return views of these entries, which are those of one row."""
+        """Return views of the given entries, which belong to one row."""
 
     @abstractmethod
     def _rows(self, entries: slice, offsets: NDArray[np.int64], shape: tuple[int, ...]) -> Self:
-        """Return views of these entries, which are those of rows with other offsets and axes."""
+        """Return views of the entries of several rows, with the rows' own offsets and axes."""
 
     def __len__(self) -> int:
         """Return the length of the first leading axis."""
         return self.shape[0]
 
     def __getitem__(self, index: int | tuple[int, ...]) -> Row | Self:
-        """Return what there is for one row; the same for the axes that are left where `index` is shorter."""
+        """Return the entries of one row, or of all rows below a shorter `index`, as views."""
         place = index if isinstance(index, tuple) else (index,)
         if len(place) > len(self.shape):
             raise IndexError(f"{len(place)} indices for {len(self.shape)} leading axes")
@@ -62,9 +62,9 @@ class Ragged(ABC, Generic[Row]):
 
     @property
     def counts(self) -> NDArray[np.int64]:
-        """How many entries each row has; an array of the shape `shape`."""
+        """Number of entries of each row, an array of shape `shape`."""
         return np.diff(self.offsets).reshape(self.shape)
 
     def split(self) -> list[Row | Self]:
-        """Return what each entry of the first leading axis has, as a list of views."""
+        """Return the entries of each index of the first leading axis, as a list of views."""
         return [self[i] for i in range(len(self))]

@@ -1,4 +1,4 @@
-"""What the verbs on two meshes have in common: rows of poses, and what is said of each row."""
+"""Types and helpers that the queries on two things share: poses, options and the status of rows."""
 
 from __future__ import annotations
 
@@ -8,29 +8,29 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Pose: TypeAlias = ArrayLike | None
-"""(..., 4, 4), world from mesh; None is the identity."""
+"""Matrices (..., 4, 4), world from mesh; None is the identity."""
 
 Solid: TypeAlias = bool | Literal["a", "b"]
-"""Which of two meshes are solid."""
+"""Which of two meshes are solids: neither, both, or one."""
 
 Booleans: TypeAlias = bool | NDArray[np.bool_]
 Statuses: TypeAlias = NDArray[np.uint8]
 
 
-class Raising(TypedDict, total=False):
-    """The options of a call in which a bad pose is an error."""
+class RaiseOptions(TypedDict, total=False):
+    """Options of a call that raises an error for an invalid pose."""
 
     on_error: Literal["raise"]
     progress: bool
 
 
-class Stating(TypedDict):
-    """The options of a call that answers a bad pose safely, and says so."""
+class StatusOptions(TypedDict):
+    """Options of a call that returns the safe answer and a status for an invalid pose."""
 
     on_error: Literal["status"]
     progress: NotRequired[bool]
 
 
-def beside_status(answer: Any, on_error: str, made: Any) -> Any:
-    """Return what `made` makes of an answer, beside the status of each row where that was asked for."""
-    return (made(answer[0]), answer[1]) if on_error == "status" else made(answer)
+def with_status(answer: Any, on_error: str, convert: Any) -> Any:
+    """Return the converted result, with the status of each row if the caller asked for it."""
+    return (convert(answer[0]), answer[1]) if on_error == "status" else convert(answer)

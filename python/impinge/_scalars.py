@@ -1,4 +1,7 @@
-"""Single values as they come, made plain: numbers, yes or no, options, paths. What is none is an `InputError`."""
+"""Validates single arguments: numbers, flags, options and paths.
+
+Every function raises an `InputError` that names the argument if the value is invalid.
+"""
 
 from __future__ import annotations
 
@@ -13,27 +16,28 @@ import numpy as np
 
 from impinge._errors import InputError
 
-MOST = sys.maxsize
-"""The greatest count that the extension takes: so many things are in no memory."""
+MAX_COUNT = sys.maxsize
+"""Maximum count that the extension accepts; no memory can hold more items."""
 
 _SHOWN_BITS = 128
-"""Longer numbers are told by their length: Python writes none of more than some thousand digits."""
+"""Maximum size in bits of an integer that a message shows. Python refuses to convert integers of
+more than a few thousand digits to text."""
 
 
-def whole(value: object, name: str, *, least: int = 0, most: int = MOST) -> int:
-    """Return a whole number from `least` to `most`: an int, or an integer of NumPy's, but no bool."""
+def whole(value: object, name: str, *, minimum: int = 0, maximum: int = MAX_COUNT) -> int:
+    """Return an integer from `minimum` to `maximum`; NumPy integers are accepted, bool is not."""
     number = _unwrapped(value)
     if not isinstance(number, Integral) or isinstance(number, bool):
         raise InputError(f"must be a whole number, not {_shown(value)}", kind="type", what=name)
     count = int(number)
-    if not least <= count <= most:
-        kind = "negative" if count < 0 and least == 0 else "out-of-range"
-        raise InputError(f"must be from {least} to {most}, not {_shown(count)}", kind=kind, what=name)
+    if not minimum <= count <= maximum:
+        kind = "negative" if count < 0 and minimum == 0 else "out-of-range"
+        raise InputError(f"must be from {minimum} to {maximum}, not {_shown(count)}", kind=kind, what=name)
     return count
 
 
-def real(value: object, name: str, *, least: float = -math.inf) -> float:
-    """Return a number of at least `least`, which may be infinite: a float, an int, or one of NumPy's, but no bool."""
+def real(value: object, name: str, *, minimum: float = -math.inf) -> float:
+    """Return a float of at least `minimum`, possibly infinite; accepts real numbers except bool."""
     number = _unwrapped(value)
     if not isinstance(number, Real) or isinstance(number, bool):
         raise InputError(f"must be a number, not {_shown(value)}", kind="type", what=name)
@@ -44,21 +48,21 @@ def real(value: object, name: str, *, least: float = -math.inf) -> float:
         raise InputError(message, kind="out-of-range", what=name) from None
     if math.isnan(double):
         raise InputError("must be a number, not NaN", kind="non-finite", what=name)
-    if double < least:
-        kind = "negative" if least == 0 else "out-of-range"
-        raise InputError(f"must be at least {least:g}, not {double:g}", kind=kind, what=name)
+    if double < minimum:
+        kind = "negative" if minimum == 0 else "out-of-range"
+        raise InputError(f"must be at least {minimum:g}, not {double:g}", kind=kind, what=name)
     return double
 
 
 def flag(value: object, name: str) -> bool:
-    """Return True or False, which NumPy's may be, too."""
+    """Return True or False; bools of NumPy are accepted."""
     if not isinstance(value, bool | np.bool_):
         raise InputError(f"must be True or False, not {_shown(value)}", kind="type", what=name)
     return bool(value)
 
 
 def chosen(option: Any, known: tuple[Any, ...], name: str) -> Any:
-    """Return an option that is one of those that are known, to the type."""
+    """Return an option if it is one of the known ones, with the same type."""
     if not any(type(option) is type(own) and option == own for own in known):
         message = f"must be one of {', '.join(map(repr, known))}, not {_shown(option)}"
         raise InputError(message, kind="option", what=name)
@@ -74,7 +78,7 @@ def path_of(value: object, name: str) -> str:
 
 
 def _unwrapped(value: object) -> object:
-    """Return what an array without axes holds."""
+    """Return the item of a 0-dimensional array; other values unchanged."""
     return value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
 
 

@@ -1,4 +1,4 @@
-"""Many parts at once: every configuration of a robot or an assembly in one call."""
+"""Many parts at once: checks every configuration of a robot or an assembly in one call."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from impinge._shape import AnyShape, Shape
 
 
 class SceneReport:
-    """Which pairs of parts were found, in each configuration.
+    """Pairs of parts that a check found, for each configuration.
 
     Attributes
     ----------
     intersects : bool or (...) bool array
         Whether any pair was found, for each configuration. An undecided pair counts as found.
     status : (...) uint8 array or None
-        The `Status` of each configuration, if ``on_error="status"`` asked for one.
+        The `Status` of each configuration with ``on_error="status"``, otherwise None.
     """
 
     intersects: bool | NDArray[np.bool_]
@@ -45,20 +45,20 @@ class SceneReport:
 
     @cached_property
     def pairs(self) -> tuple[tuple[str, str], ...]:
-        """The p pairs of parts that were asked about, in the order of the scene."""
+        """The p checked pairs of parts, in the order of the scene."""
         places = (pair for pair in combinations(range(len(self._parts)), 2) if pair not in self._ignored)
         return tuple((self._parts[i], self._parts[j]) for i, j in places)
 
     @cached_property
     def first(self) -> int | NDArray[np.int64]:
-        """The first pair found, for each configuration, as an index into `pairs`; -1 if there is none."""
+        """Index into `pairs` of the first pair found in each configuration; -1 if none was."""
         starts = zip(self._offsets[:-1].tolist(), self._offsets[1:].tolist(), strict=True)
         first = [self._number(self._pair(start)) if start < end else -1 for start, end in starts]
         return np.array(first, np.int64).reshape(self._shape) if self._shape else first[0]
 
     @cached_property
     def meets(self) -> NDArray[np.bool_] | None:
-        """Whether each pair was found, (..., p); None if the check stopped at the first."""
+        """Whether each pair was found, (..., p); None if the check stopped at the first pair."""
         if self._stopped_at_first:
             return None
         meets = np.zeros((len(self._offsets) - 1, self._count), bool)
@@ -67,12 +67,14 @@ class SceneReport:
         return meets.reshape(*self._shape, self._count)
 
     def names(self, configuration: int | tuple[int, ...] = ()) -> list[tuple[str, str]]:
-        """Return the names of the pairs found in one configuration; the first alone if the check stopped there.
+        """Return the names of the pairs found in one configuration.
+
+        If the check stopped at the first pair, only that pair is returned.
 
         Parameters
         ----------
         configuration : int or tuple of int
-            An index into the leading axes; nothing if a single configuration was asked about.
+            Index into the leading axes; omit it if there is a single configuration.
         """
         row = int(np.arange(len(self._offsets) - 1).reshape(self._shape)[configuration])
         places = (self._pair(at) for at in range(self._offsets[row], self._offsets[row + 1]))
@@ -80,16 +82,16 @@ class SceneReport:
 
     @property
     def worst(self) -> tuple[int, ...]:
-        """The configuration in which most pairs were found, the first of these, as an index into the leading axes.
+        """Index into the leading axes of the first configuration with the most pairs found.
 
         Raises
         ------
         InputError
-            If the check stopped at the first pair, or there is no configuration.
+            If the check stopped at the first pair, or if there is no configuration.
         """
         if self._stopped_at_first:
-            message = "how many pairs there are is not known if the check stopped at the first"
-            raise InputError(message, kind="option", what="stop", hint='ask with stop="all"')
+            message = "the number of pairs is unknown, because the check stopped at the first"
+            raise InputError(message, kind="option", what="stop", hint='call check with stop="all"')
         counts = np.diff(self._offsets)
         if counts.size == 0:
             raise InputError("there is no configuration", kind="shape", what="poses")
@@ -97,22 +99,22 @@ class SceneReport:
 
     @property
     def _count(self) -> int:
-        """How many pairs were asked about."""
+        """Number of checked pairs."""
         count = len(self._parts)
         return count * (count - 1) // 2 - len(self._ignored)
 
     def _number(self, pair: tuple[int, int]) -> int:
-        """Return the index of a pair of places into `pairs`."""
+        """Return the index into `pairs` of a pair of part indices."""
         number = self._place(pair)
         return number - bisect_left(self._skipped, number)
 
     @cached_property
     def _skipped(self) -> list[int]:
-        """The ignored pairs among all pairs."""
+        """Indices of the ignored pairs among all pairs, ascending."""
         return sorted(map(self._place, self._ignored))
 
     def _place(self, pair: tuple[int, int]) -> int:
-        """Return the index of a pair of places among all pairs, ignored ones included."""
+        """Return the index of a pair of part indices among all pairs, ignored pairs included."""
         i, j = pair
         return i * (2 * len(self._parts) - i - 1) // 2 + j - i - 1
 
@@ -121,27 +123,27 @@ class SceneReport:
         return i, j
 
     def __repr__(self) -> str:
-        """Return how many configurations are clear."""
+        """Return the number of configurations, and the number in collision."""
         hits = np.asarray(self.intersects)
         return f"SceneReport({hits.size} configurations, {int(hits.sum())} in collision, {self._count} pairs each)"
 
 
 class Scene:
-    """Named parts that are checked against each other, at many configurations in one call.
+    """Named parts that are checked against each other in many configurations with one call.
 
     Parameters
     ----------
     parts : mapping of str to Mesh or Shape
-        The parts; one mesh or shape may serve several of them.
+        The parts; several parts may share one mesh or shape.
     ignored : iterable of (str, str), optional
         Pairs of parts that are not checked, such as neighboring links of a robot, in either order.
     solid : bool
-        Whether meshes are solids, so that what lies wholly inside one intersects it.
+        Whether meshes are solids, so that a part that lies inside another one intersects it.
 
     Raises
     ------
     InputError
-        If a part is no `Mesh` or `Shape`, or `ignored` names a part that there is not.
+        If a part is not a `Mesh` or `Shape`, or if `ignored` contains the name of an unknown part.
 
     Examples
     --------
@@ -165,7 +167,7 @@ class Scene:
         self._solid = flag(solid, "solid")
         for name, part in self._parts.items():
             if not isinstance(name, str) or not isinstance(part, Mesh | Shape):
-                message = f"part {name!r} is {type(part).__name__}; names are str, parts impinge.Mesh or impinge.Shape"
+                message = f"part {name!r} is {type(part).__name__}; pass str names, and impinge.Mesh or impinge.Shape"
                 raise InputError(message, kind="type", what="parts")
         self._ignored: set[frozenset[str]] = set()
         for a, b in _pairs(ignored):
@@ -173,28 +175,28 @@ class Scene:
 
     @property
     def parts(self) -> dict[str, AnyShape]:
-        """The parts by name; a copy."""
+        """A copy of the parts by name."""
         return dict(self._parts)
 
     @property
     def pairs(self) -> tuple[tuple[str, str], ...]:
-        """The pairs of names that are checked, in the order of the parts."""
+        """Pairs of names that are checked, in the order of the parts."""
         return tuple(pair for pair in combinations(self._parts, 2) if frozenset(pair) not in self._ignored)
 
     def ignore(self, a: str, b: str) -> None:
-        """Leave the pair of these two parts out of later checks.
+        """Exclude the pair of two parts from later checks.
 
         Raises
         ------
         InputError
-            If there is no such part.
+            If there is no part with one of the names.
         """
         self._ignore((a, "a"), (b, "b"))
 
     def _ignore(self, a: tuple[str, str], b: tuple[str, str]) -> None:
-        """Leave a pair out: each a name, and the argument that it came in."""
+        """Exclude a pair; each item is a name, and the argument that contained it."""
         for name, what in (a, b):
-            self._known(name, what)
+            self._check_name(name, what)
         self._ignored.add(frozenset((a[0], b[0])))
 
     def check(
@@ -207,37 +209,40 @@ class Scene:
         on_error: Literal["raise", "status"] = "raise",
         progress: bool = False,
     ) -> SceneReport:
-        """Ask about all pairs of parts, in each configuration.
+        """Check all pairs of parts in each configuration.
 
-        Only pairs whose boxes are near each other are looked at, and consecutive configurations start from what the one
-        before told. No answer depends on either.
+        Only pairs whose boxes are near each other are examined, and each configuration starts from
+        the results of the one before. Neither affects the answer.
 
         Parameters
         ----------
         poses : mapping of str to (..., 4, 4) array_like
-            World from part; leading axes, the configurations, broadcast as in NumPy. A part without a pose stands where
-            its own frame is the world. Pairs of parts that stand still are asked about once.
+            World from part. The leading axes, the configurations, broadcast as in NumPy. A part
+            without a pose has the identity. Pairs of parts that do not move are checked once.
         question : {"intersects", "penetrates", "within"}
-            As the verbs of these names. ``"penetrates"`` takes meshes as solids; ``"within"`` needs a clearance.
+            The test, as the function of the same name. ``"penetrates"`` treats meshes as solids;
+            ``"within"`` requires a clearance.
         clearance : float, optional
-            In world units, not negative; only for ``"within"``.
+            In world units, at least zero; only for ``"within"``.
         stop : {"first", "all"}
-            Whether a configuration is done with at the first pair found, in the order of `pairs`, or all pairs are
-            asked about.
+            Whether a configuration is finished at the first pair found, in the order of `pairs`, or
+            all pairs are checked.
         on_error : {"raise", "status"}
-            What becomes of a pose that is none. ``"status"`` counts its part as near every other.
+            How to treat an invalid pose. With ``"status"`` its part counts as near every other
+            part.
         progress : bool
             As for `intersects`.
 
         Returns
         -------
         SceneReport
-            The same for any number of threads.
+            The report is the same for any number of threads.
 
         Raises
         ------
         InputError
-            If `poses` names a part that there is not, a clearance is missing or not asked for, or as for `intersects`.
+            If `poses` contains the name of an unknown part, if a clearance is missing or not
+            applicable, or as for `intersects`.
 
         Examples
         --------
@@ -252,15 +257,16 @@ class Scene:
         if not isinstance(poses, Mapping):
             raise InputError(f"must be a mapping, not {type(poses).__name__}", kind="type", what="poses")
         for name in poses:
-            self._known(name, "poses")
+            self._check_name(name, "poses")
         chosen(stop, ("first", "all"), "stop")
         chosen(question, ("intersects", "penetrates", "within"), "question")
         if (question == "within") != (clearance is not None):
-            raise InputError('goes with question="within"', kind="option", what="clearance")
-        least = 0.0 if clearance is None else real(clearance, "clearance", least=0)
+            message = 'must be given if question is "within", and only then'
+            raise InputError(message, kind="option", what="clearance")
+        limit = 0.0 if clearance is None else real(clearance, "clearance", minimum=0)
         parts = [(name, part, self._solid, poses.get(name)) for name, part in self._parts.items()]
         first, ignored = stop == "first", sorted(self._ignored_places())
-        answer: Any = _impinge.check_scene(parts, ignored, (question, least), first, on_error, progress)
+        answer: Any = _impinge.check_scene(parts, ignored, (question, limit), first, on_error, progress)
         status: Statuses | None = None
         if on_error == "status":
             answer, status = answer
@@ -270,12 +276,12 @@ class Scene:
         return list(self._parts)
 
     def _ignored_places(self) -> set[tuple[int, int]]:
-        """Return the ignored pairs by the places of their parts, the lesser first."""
+        """Return the ignored pairs as pairs of part indices, the smaller first."""
         place = {name: place for place, name in enumerate(self._parts)}
         both = (sorted(place[name] for name in pair) for pair in self._ignored if len(pair) > 1)
         return {(i, j) for i, j in both}
 
-    def _known(self, name: str, what: str) -> None:
+    def _check_name(self, name: str, what: str) -> None:
         if not isinstance(name, str) or name not in self._parts:
             message = f"there is no part {name!r}; there are {', '.join(map(repr, self._parts)) or 'none'}"
             raise InputError(message, kind="name", what=what)

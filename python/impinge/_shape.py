@@ -1,4 +1,4 @@
-"""Shapes: spheres, capsules, boxes and their like, hulls, half-spaces, meshes and compounds."""
+"""Shapes: convex solids such as spheres and boxes, hulls, half-spaces, meshes and compounds."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from impinge._scalars import flag, real
 
 @final
 class Shape(_impinge.ShapeBase):
-    """A shape in its own frame, made by one of its constructors: `sphere`, `capsule`, `box`, `hull` and others.
+    """A shape in its own frame, made by a constructor such as `sphere`, `capsule`, `box` or `hull`.
 
-    Lengths are in the shape's own unit, finite, not negative and below 2^128. A shape never changes, and costs no more
-    than a few numbers to keep; many bodies and threads may share one. It pickles by what it was made of; a copy is the
-    shape itself.
+    Lengths are in the unit of the shape, finite, at least zero and below 2^128. A shape is
+    immutable and takes only a few numbers to store, so many bodies and threads may share one. It
+    pickles its constructor's arguments; a copy is the shape itself.
 
-    Boxes, triangles, hulls, half-spaces and meshes may be put into any affine pose; what is round wants a rigid one
-    within 1e-4.
+    Boxes, triangles, hulls, half-spaces and meshes accept any affine pose. Round shapes require a
+    pose that is rigid within 1e-4.
 
     Examples
     --------
@@ -40,10 +40,9 @@ class Shape(_impinge.ShapeBase):
     _made_of: tuple[str, Any, list[float]]
 
     def __new__(cls) -> Shape:
-        """Raise: shapes are made by the constructors of their kinds."""
-        raise InputError(
-            "Shape() itself makes nothing", kind="option", what="Shape", hint="Shape.sphere(...) and others do"
-        )
+        """Raise an error: use the constructor of a kind of shape."""
+        hint = "use a constructor such as Shape.sphere(...)"
+        raise InputError("Shape() does not make a shape", kind="option", what="Shape", hint=hint)
 
     @classmethod
     def _of(cls, kind: str, source: Any, numbers: list[float]) -> Shape:
@@ -53,60 +52,60 @@ class Shape(_impinge.ShapeBase):
 
     @classmethod
     def sphere(cls, radius: float, center: ArrayLike = (0, 0, 0)) -> Shape:
-        """Return the ball about a center; a radius of zero makes it that point.
+        """Return a solid sphere; a radius of zero makes it a point.
 
         Parameters
         ----------
         radius : float
             At least zero.
         center : (3,) array_like of float32 or float64
-            In the shape's own frame.
+            In the frame of the shape.
 
         Raises
         ------
         InputError
-            If a number is not in range.
+            If a number is out of range.
         """
         return cls._of("sphere", _points(center, "center", 1), [real(radius, "radius")])
 
     @classmethod
     def capsule(cls, start: ArrayLike, end: ArrayLike, radius: float) -> Shape:
-        """Return all points within a radius of a segment, whose ends may be equal.
+        """Return a capsule: all points within a radius of a segment, whose ends may be equal.
 
         Parameters
         ----------
         start, end : (3,) array_like of float32 or float64
-            The ends of the segment, in the shape's own frame.
+            Ends of the segment, in the frame of the shape.
         radius : float
             At least zero.
 
         Raises
         ------
         InputError
-            If a number is not in range.
+            If a number is out of range.
         """
         ends = np.concatenate([_points(start, "start", 1), _points(end, "end", 1)])
         return cls._of("capsule", ends, [real(radius, "radius")])
 
     @classmethod
     def box(cls, half_extents: ArrayLike) -> Shape:
-        """Return the box about the origin that reaches as far along each axis as its half-extent says.
+        """Return a solid box about the origin, aligned with the axes.
 
         Parameters
         ----------
         half_extents : (3,) array_like of float32 or float64
-            At least zero.
+            Half the lengths along the axes, at least zero.
 
         Raises
         ------
         InputError
-            If a number is not in range.
+            If a number is out of range.
         """
         return cls._of("box", None, _three(half_extents, "half_extents"))
 
     @classmethod
     def cylinder(cls, half_height: float, radius: float) -> Shape:
-        """Return the cylinder about the z axis, from ``-half_height`` to ``half_height``.
+        """Return a solid cylinder about the z axis, from ``-half_height`` to ``half_height``.
 
         Parameters
         ----------
@@ -116,39 +115,39 @@ class Shape(_impinge.ShapeBase):
         Raises
         ------
         InputError
-            If a number is not in range.
+            If a number is out of range.
         """
         return cls._of("cylinder", None, [real(half_height, "half_height"), real(radius, "radius")])
 
     @classmethod
     def cone(cls, half_height: float, radius: float) -> Shape:
-        """Return the cone about the z axis with its base at ``-half_height`` and its tip at ``half_height``.
+        """Return a solid cone about the z axis: base at ``-half_height``, tip at ``half_height``.
 
         Parameters
         ----------
         half_height, radius : float
-            At least zero; the radius is that of the base.
+            Half the height and the radius of the base, at least zero.
 
         Raises
         ------
         InputError
-            If a number is not in range.
+            If a number is out of range.
         """
         return cls._of("cone", None, [real(half_height, "half_height"), real(radius, "radius")])
 
     @classmethod
     def ellipsoid(cls, half_axes: ArrayLike) -> Shape:
-        """Return the ellipsoid about the origin with its axes along those of the frame.
+        """Return a solid ellipsoid about the origin, aligned with the axes.
 
         Parameters
         ----------
         half_axes : (3,) array_like of float32 or float64
-            Half the lengths of its axes, at least zero.
+            Half the lengths along the axes, at least zero.
 
         Raises
         ------
         InputError
-            If a number is not in range.
+            If a number is out of range.
         """
         return cls._of("ellipsoid", None, _three(half_axes, "half_axes"))
 
@@ -159,30 +158,31 @@ class Shape(_impinge.ShapeBase):
         Parameters
         ----------
         corners : (3, 3) array_like of float32 or float64
-            In the shape's own frame.
+            In the frame of the shape.
 
         Raises
         ------
         InputError
-            If a number is not in range.
+            If a number is out of range.
         """
         return cls._of("triangle", _points(corners, "corners", 3), [])
 
     @classmethod
     def half_space(cls, normal: ArrayLike, level: float = 0.0) -> Shape:
-        """Return all points x with ``normal @ x <= level``: a floor, if the normal points up.
+        """Return the half-space of all points x with ``normal @ x <= level``, such as a floor.
 
         Parameters
         ----------
         normal : (3,) array_like of float32 or float64
-            Of a length from 2^-600 on.
+            Normal out of the half-space, with a length of at least 2^-600. It points up for a
+            floor.
         level : float
-            Times the length of the normal.
+            Distance of the plane from the origin along the normal, times the length of the normal.
 
         Raises
         ------
         InputError
-            If a number is not in range, or the normal is zero.
+            If a number is out of range, or if the normal is zero.
         """
         return cls._of("half_space", _points(normal, "normal", 1), [real(level, "level")])
 
@@ -193,50 +193,51 @@ class Shape(_impinge.ShapeBase):
         Parameters
         ----------
         points : (n, 3) array_like of float32 or float64
-            In the shape's own frame; at least one.
+            At least one point, in the frame of the shape.
 
         Raises
         ------
         InputError
-            If there are none, or a number is not in range.
+            If there are no points, or if a number is out of range.
         """
         return cls._of("hull", _points(points, "points", None), [])
 
     @classmethod
     def mesh(cls, mesh: Mesh, *, solid: bool = False) -> Shape:
-        """Return a mesh as a shape: its surface or, if it is `solid`, all about which it winds more than half.
+        """Return a mesh as a shape: its surface or, if `solid` is set, the solid that it bounds.
 
-        The shape keeps the mesh as it is now: a later `Mesh.refit` does not reach it.
+        A solid is the surface and all points with a winding number above 1/2 in magnitude. The
+        shape keeps the current state of the mesh: a later `Mesh.refit` does not affect it.
 
         Parameters
         ----------
         mesh : Mesh
             Shared, not copied.
         solid : bool
-            Whether the inside belongs to it.
+            Whether the inside belongs to the shape.
 
         Raises
         ------
         InputError
-            If an argument is none of these.
+            If an argument has the wrong type.
         """
-        still = mesh._as_it_is() if isinstance(mesh, Mesh) else mesh
-        return cls._of("solid" if flag(solid, "solid") else "mesh", still, [])
+        snapshot = mesh._snapshot() if isinstance(mesh, Mesh) else mesh
+        return cls._of("solid" if flag(solid, "solid") else "mesh", snapshot, [])
 
     @classmethod
     def compound(cls, parts: Iterable[tuple[Shape | Mesh, ArrayLike | None]]) -> Shape:
-        """Return all of some shapes as one.
+        """Return the union of several shapes as one shape.
 
         Parameters
         ----------
         parts : iterable of (Shape or Mesh, (4, 4) array_like or None)
-            The shapes, each with its pose in the frame of the compound. The parts of a compound among them count one by
-            one where contacts number them.
+            The shapes, each with its pose in the frame of the compound. If a part is itself a
+            compound, contacts number its parts separately.
 
         Raises
         ------
         InputError
-            If there are none, or a pose is none.
+            If there are no parts, or if a pose is invalid.
 
         Examples
         --------
@@ -254,37 +255,42 @@ class Shape(_impinge.ShapeBase):
 
     @property
     def kind(self) -> str:
-        """The name of the constructor."""
+        """Name of the constructor."""
         kind = self._made_of[0]
         return "mesh" if kind == "solid" else kind
 
     @property
     def bounds(self) -> NDArray[np.float64] | None:
-        """(2, 3) lower and upper corner of a box that holds the shape in its own frame; None where none does."""
+        """Corners (2, 3), lower and upper, of a box that contains the shape in its own frame.
+
+        None if the shape is unbounded or empty.
+        """
         box = super().local_box()
         return None if box is None else np.array(box)
 
     def ray_cast(self, origins: ArrayLike, directions: ArrayLike) -> RayHit:
-        """Return where rays first meet the shape; at their origins, where these are in it.
+        """Return the first hit of each ray on the shape; its origin if that is inside the shape.
 
         Parameters
         ----------
         origins : (..., 3) array_like of float32 or float64
-            In the shape's own frame and unit, below 2^300 in magnitude.
+            In the frame and unit of the shape, below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
-            Of a length from 2^-600 to 2^300. The leading axes of both broadcast as in NumPy.
+            With a length from 2^-600 to 2^300. The leading axes of both broadcast as in NumPy.
 
         Returns
         -------
         RayHit
-            Its fields have the leading axes. Whether convex shapes are met is decided as `impinge.intersects`
-            is; ``t`` is within 2^-36 of their sizes, cones' within 2^-23, over the cosine of the angle at which they
-            are met. ``face`` is -1 for all but meshes, and where the ray starts in a solid one.
+            The fields have the leading axes. For convex shapes, a hit is decided as exactly as by
+            `impinge.intersects`. The error of ``t`` is at most 2^-36 of the size of the shape, or
+            2^-23 for cones, divided by the cosine of the angle of incidence. ``face`` is -1 unless
+            the shape is a mesh, and also if the ray starts inside a solid mesh.
 
         Raises
         ------
         InputError
-            If an array has another type or shape, a number is not in range or a direction is zero; it says which.
+            If an array has another type or shape, if a number is out of range, or if a direction is
+            zero; the error names the entry.
 
         Examples
         --------
@@ -296,7 +302,7 @@ class Shape(_impinge.ShapeBase):
         return RayHit(scalar(hit), scalar(t), scalar(face), point)
 
     def __repr__(self) -> str:
-        """Return the constructor and, where they are few, its arguments."""
+        """Return the constructor, with its arguments if there are few."""
         kind, source, numbers = self._made_of
         if kind in ("mesh", "solid"):
             return f"Shape.mesh({source!r}, solid={kind == 'solid'})"
@@ -310,35 +316,35 @@ class Shape(_impinge.ShapeBase):
         return f"Shape.{kind}({', '.join(values + [f'{number:g}' for number in numbers])})"
 
     def __copy__(self) -> Shape:
-        """Return the shape, which never changes."""
+        """Return the shape itself: it never changes."""
         return self
 
     def __deepcopy__(self, memo: object) -> Shape:
-        """Return the shape, which never changes."""
+        """Return the shape itself: it never changes."""
         return self
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle what it was made of."""
+        """Pickle the constructor's arguments."""
         return Shape._of, self._made_of
 
 
 AnyShape: TypeAlias = Shape | Mesh
-"""What the verbs on shapes take; a mesh is its surface."""
+"""A shape, or a mesh, which stands for its surface."""
 
 
-def settled(shape: AnyShape) -> AnyShape:
-    """Return what never changes: of a mesh its surface as it is now."""
+def snapshot_of(shape: AnyShape) -> AnyShape:
+    """Return an immutable shape: for a mesh, its surface in its current state."""
     return Shape.mesh(shape) if isinstance(shape, Mesh) else shape
 
 
 def _points(value: ArrayLike, name: str, count: int | None) -> NDArray[np.float64]:
-    """Return a (k, 3) copy of some points, which are `count`; a single one may come as (3,)."""
+    """Return a read-only (k, 3) copy of `count` points; a single point may have shape (3,)."""
     points = np.array(_arrays.plain_points(value, name))
     if count == 1 and points.shape == (3,):
         points = points[None]
     if points.ndim != 2 or (count is not None and len(points) != count):
         wanted = "(3,)" if count == 1 else f"({'n' if count is None else count}, 3)"
-        raise InputError(f"shape {np.shape(value)}, where {wanted} is expected", kind="shape", what=name)
+        raise InputError(f"has shape {np.shape(value)}; {wanted} is expected", kind="shape", what=name)
     points.setflags(write=False)
     return points
 
@@ -351,7 +357,7 @@ def _three(value: ArrayLike, name: str) -> list[float]:
 def _parts(
     parts: Iterable[tuple[Shape | Mesh, ArrayLike | None]],
 ) -> list[tuple[Shape | Mesh, NDArray[np.float64] | None]]:
-    """Return a list of copies of the parts."""
+    """Return the parts with immutable shapes and copied poses."""
     try:
         pairs = [(shape, pose) for shape, pose in parts]
     except (TypeError, ValueError):
@@ -359,5 +365,7 @@ def _parts(
         raise InputError(message, kind="type", what="parts") from None
     copied = []
     for row, (shape, pose) in enumerate(pairs):
-        copied.append((settled(shape), None if pose is None else np.array(_arrays.plain_poses(pose, f"parts[{row}]"))))
+        copied.append(
+            (snapshot_of(shape), None if pose is None else np.array(_arrays.plain_poses(pose, f"parts[{row}]")))
+        )
     return copied

@@ -1,4 +1,4 @@
-"""Pictures of two meshes and where they meet."""
+"""Pictures of two meshes and of their intersection."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from impinge._scalars import chosen, real, whole
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-_COLOURS = np.array([[201.0, 185.0, 170.0], [92.0, 132.0, 176.0]])  # of a, opaque, and of b, like glass
-_STRUCK = np.array([[222.0, 92.0, 70.0], [196.0, 60.0, 120.0]])  # their faces that meet the other
-_CURVE = np.array([255.0, 176.0, 0.0])
-_OPACITY = 0.5
-_SAMPLES = 2  # rendered pixels for one of the picture, along each side
-_MARGIN = 1.08  # of the picture over what it shows
-_CORD = 1.6  # radius of a curve, in pixels of the picture
+_COLORS = np.array([[201.0, 185.0, 170.0], [92.0, 132.0, 176.0]])  # RGB of a, opaque, and of b, transparent
+_HIT_COLORS = np.array([[222.0, 92.0, 70.0], [196.0, 60.0, 120.0]])  # RGB of intersecting faces of a and of b
+_CURVE_COLOR = np.array([255.0, 176.0, 0.0])  # RGB of the intersection curves
+_OPACITY = 0.5  # opacity of b
+_SAMPLES = 2  # rendered pixels for each pixel of the picture, along each side
+_MARGIN = 1.08  # size of the picture, relative to its content
+_CURVE_RADIUS = 1.6  # radius of a curve, in pixels of the picture
 
 
 def show(
@@ -39,10 +39,11 @@ def show(
     up: Literal["y", "z"] = "z",
     focus: Literal["all", "contact"] = "all",
 ) -> Image:
-    """Picture two meshes, the faces of each that meet the other, and the curves in which they meet.
+    """Render two meshes, their intersecting faces, and the curves in which they intersect.
 
-    `a` is opaque and `b` like glass; struck faces are red, curves yellow. Nothing is opened and no display is needed:
-    a notebook shows the returned picture, ``.show()`` opens a viewer. Needs Pillow (``pip install impinge[show]``).
+    `a` is opaque, and `b` is transparent. Intersecting faces are red, curves are yellow. No window
+    is opened, and no display is needed. A notebook shows the returned picture; ``.show()`` opens a
+    viewer. Requires Pillow (``pip install impinge[show]``).
 
     Parameters
     ----------
@@ -55,15 +56,18 @@ def show(
     size : (int, int)
         Width and height in pixels, 16 to 8192 each.
     view : (float, float)
-        Azimuth and elevation of the camera in degrees; it looks at the middle, without perspective.
+        Azimuth and elevation of the camera in degrees. The camera looks at the center, without
+        perspective.
     up : {"z", "y"}
         The axis of the world that points up.
     focus : {"all", "contact"}
-        Whether the picture holds both meshes, or the surroundings of where they meet, if they do.
+        Whether the picture shows both meshes, or only the surroundings of their intersection, if
+        there is one.
 
     Returns
     -------
     PIL.Image.Image
+        The picture.
 
     Raises
     ------
@@ -74,7 +78,7 @@ def show(
 
     Notes
     -----
-    Some seconds for a million triangles.
+    A million triangles take several seconds.
 
     Examples
     --------
@@ -86,7 +90,7 @@ def show(
     """
     from PIL import Image  # noqa: PLC0415 (an optional dependency)
 
-    _judge(size, view, up, focus)
+    _validate(size, view, up, focus)
     poses = [
         np.eye(4) if pose is None else plain_poses(pose, name)
         for pose, name in ((pose_a, "pose_a"), (pose_b, "pose_b"))
@@ -113,43 +117,43 @@ def show(
         placed: NDArray[np.float64] = (world @ turn.T - middle) * [scale, -scale, scale] + [width / 2, height / 2, 0]
         return placed
 
-    canvas, glass = Canvas(width, height), Canvas(width, height)
-    for side, layer in ((0, canvas), (1, glass)):
-        colours = np.tile(_COLOURS[side], (len(bodies[side]), 1))
-        colours[np.unique(pairs[:, side])] = _STRUCK[side]
-        layer.triangles(to_pixels(bodies[side]), colours)
-    cords = [to_pixels(curve) for curve in curves]
-    for cord in cords:  # those behind the glass, seen through it
-        canvas.cord(cord, _CORD * _SAMPLES, _CURVE)
-    canvas.veil(glass, _OPACITY)
-    for cord in cords:
-        canvas.cord(cord, _CORD * _SAMPLES, _CURVE)
+    canvas, transparent = Canvas(width, height), Canvas(width, height)
+    for side, layer in ((0, canvas), (1, transparent)):
+        colors = np.tile(_COLORS[side], (len(bodies[side]), 1))
+        colors[np.unique(pairs[:, side])] = _HIT_COLORS[side]
+        layer.triangles(to_pixels(bodies[side]), colors)
+    tubes = [to_pixels(curve) for curve in curves]
+    for tube in tubes:  # curves behind b, visible through it
+        canvas.tube(tube, _CURVE_RADIUS * _SAMPLES, _CURVE_COLOR)
+    canvas.blend(transparent, _OPACITY)
+    for tube in tubes:
+        canvas.tube(tube, _CURVE_RADIUS * _SAMPLES, _CURVE_COLOR)
     picture = Image.fromarray(canvas.pixels(_SAMPLES))
     if path is not None:
         picture.save(path)
     return picture
 
 
-def _judge(size: tuple[int, int], view: tuple[float, float], up: str, focus: str) -> None:
+def _validate(size: tuple[int, int], view: tuple[float, float], up: str, focus: str) -> None:
     for name, value, known in (("up", up, ("y", "z")), ("focus", focus, ("all", "contact"))):
         chosen(value, known, name)
     for name, pair in (("size", size), ("view", view)):
         if not isinstance(pair, tuple | list) or len(pair) != 2:
             raise InputError(f"must be two numbers, not {type(pair).__name__}", kind="shape", what=name)
     for pixels in size:
-        whole(pixels, "size", least=16, most=8192)
+        whole(pixels, "size", minimum=16, maximum=8192)
     if np.isinf([real(angle, "view") for angle in view]).any():
         raise InputError("an angle is infinite", kind="non-finite", what="view")
 
 
 def _corners(mesh: Mesh, pose: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(m, 3, 3) corners of the faces in the world, rounded."""
+    """Return the corners of the faces in the world frame, (m, 3, 3), rounded."""
     placed: NDArray[np.float64] = (mesh.vertices.astype(float) @ pose[:3, :3].T + pose[:3, 3])[mesh.faces]
     return placed
 
 
 def _camera(view: tuple[float, float], up: str) -> NDArray[np.float64]:
-    """Rotation to a frame with x right, y up and z towards the viewer."""
+    """Return the rotation from the world to a frame with x right, y up and z towards the viewer."""
     azimuth, elevation = np.deg2rad(view)
     (sa, ca), (se, ce) = (np.sin(azimuth), np.cos(azimuth)), (np.sin(elevation), np.cos(elevation))
     upright = np.eye(3) if up == "y" else np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])

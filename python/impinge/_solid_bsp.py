@@ -1,4 +1,4 @@
-"""Space about a mesh cut into cells that are inside or outside, for many points and rays."""
+"""A BSP tree of the space around a mesh, for many queries on points and rays."""
 
 from __future__ import annotations
 
@@ -15,15 +15,17 @@ from impinge._points import RayHit, scalar
 
 @final
 class SolidBsp:
-    """A BSP tree over the faces of a mesh: disjoint convex cells, each inside or outside (Thibault, Naylor 1987).
+    """A BSP tree over the faces of a mesh: disjoint convex cells, each inside or outside.
 
-    For a mesh that stands still and points that are many: a point costs a plane for each level, and an exact winding
-    number only where it is the first of its cell, or on a plane. Answers are those of the mesh, to the bit.
+    The method is that of Thibault and Naylor (1987). Use it for a mesh that does not move and many
+    points. A point costs one comparison with a plane for each level. An exact winding number is
+    computed only for the first point in a cell, and for points on a plane. Answers are bitwise
+    equal to those of the mesh.
 
     Parameters
     ----------
     mesh : Mesh
-        As it is now: what is done to it later does not change the tree.
+        The mesh in its current state: later changes to it do not affect the tree.
 
     Examples
     --------
@@ -44,49 +46,50 @@ class SolidBsp:
         self._mesh = copy(mesh)
 
     def __copy__(self) -> SolidBsp:
-        """Return itself: it never changes."""
+        """Return the tree itself: it never changes."""
         return self
 
     def __deepcopy__(self, memo: object) -> SolidBsp:
-        """Return itself: it never changes."""
+        """Return the tree itself: it never changes."""
         return self
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Return how to make it again of its mesh."""
+        """Pickle the mesh; unpickling builds the tree again."""
         return SolidBsp, (self._mesh,)
 
     @property
     def cells(self) -> int:
-        """How many cells there are."""
+        """Number of cells."""
         return self._core.size()[0]
 
     @property
     def depth(self) -> int:
-        """The most planes that a point is compared with."""
+        """Maximum number of planes that a point is compared with."""
         return self._core.size()[1]
 
     def contains(self, points: ArrayLike) -> bool | NDArray[np.bool_]:
-        """Whether points are in the mesh taken as a solid; the same as `Mesh.contains` says.
+        """Report whether points are inside the mesh as a solid; equal to `Mesh.contains`.
 
         Parameters
         ----------
         points : (..., 3) array_like of float32 or float64
-            In the mesh's own frame and unit, below 2^128 in magnitude.
+            In the mesh frame and unit, below 2^128 in magnitude.
 
         Returns
         -------
         bool or (...) bool array
-            Exact for a closed mesh. About an open one every point is asked for by itself, and nothing is saved.
+            Exact for a closed mesh. For an open mesh every point is computed separately, so the
+            tree saves no time.
 
         Raises
         ------
         InputError
-            If a coordinate is not in range; it says which.
+            If a coordinate is out of range; the error names it.
         """
         return scalar(self._core.contains(points))  # type: ignore[no-any-return]
 
     def ray_cast(self, origins: ArrayLike, directions: ArrayLike) -> RayHit:
-        """Return the first face that each ray meets; the same as `Mesh.ray_cast` says.
+        """Return the first face that each ray hits; equal to `Mesh.ray_cast`.
 
         Parameters
         ----------

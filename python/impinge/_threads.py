@@ -1,4 +1,4 @@
-"""How many threads a call may use."""
+"""Limits the number of threads that a call may use."""
 
 from __future__ import annotations
 
@@ -10,28 +10,29 @@ from contextvars import ContextVar
 from impinge import _impinge
 from impinge._scalars import whole
 
-_MOST = 1024
+_MAX_THREADS = 1024
 
 asked: ContextVar[int | None] = ContextVar("impinge_threads", default=None)
-"""The number that `threads` asks for; the extension reads it."""
+"""Number of threads that `threads` sets; the extension reads it."""
 
 
 @contextmanager
 def threads(n: int) -> Iterator[None]:
-    """Limit the threads of the calls within a ``with`` block.
+    """Limit the number of threads that calls within a ``with`` block use.
 
-    Without it, a call uses all processors that the process may run on. No answer depends on it. The limit is that of
-    the block's own thread or task: others are not affected.
+    Without a limit, a call uses all processors available to the process. The number of threads
+    affects no answer. The limit applies to the thread or task that enters the block; other threads
+    are not affected.
 
     Parameters
     ----------
     n : int
-        The number of threads, 1 to 1024.
+        Number of threads, from 1 to 1024.
 
     Raises
     ------
     InputError
-        If `n` is no whole number, or out of range.
+        If `n` is not an integer, or out of range.
 
     Examples
     --------
@@ -41,7 +42,7 @@ def threads(n: int) -> Iterator[None]:
     ...     impinge.intersects(triangle, triangle)
     True
     """
-    token = asked.set(whole(n, "n", least=1, most=_MOST))
+    token = asked.set(whole(n, "n", minimum=1, maximum=_MAX_THREADS))
     try:
         yield
     finally:

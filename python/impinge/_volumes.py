@@ -1,4 +1,4 @@
-"""Bounding volumes, as `impinge.fit` returns them. Every one holds all the points that it was made of."""
+"""Bounding volumes of `impinge.fit`. Each volume contains all points that it was made from."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ if TYPE_CHECKING:
     from impinge._boxes import Aabb
 
 Numbers: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
-"""A volume as the extension has it: rows of three numbers, and single numbers."""
+"""A volume as the extension returns it: rows of three numbers, and single numbers."""
 
 
 @dataclass(frozen=True, eq=False)
 class Volume:
-    """What every volume has.
+    """Base class of all volumes.
 
     Attributes
     ----------
     volume : float
-        What it encloses, in cubic units, rounded.
+        Enclosed volume in cubic units, rounded.
     surface_area : float
-        In square units, rounded; both sides of what is flat.
+        Surface area in square units, rounded. For a flat volume, both sides count.
     """
 
     volume: float = field(repr=False, kw_only=True)
@@ -38,11 +38,11 @@ class Sphere(Volume):
     Attributes
     ----------
     center : (3,) float64 array
-        Its centre.
+        Center of the sphere.
     radius : float
-        Rounded up, so that every point is inside.
+        Radius, rounded up, so that every point is inside.
     lower : float
-        No sphere that holds the points has a smaller radius.
+        Lower bound: no sphere that contains the points has a smaller radius.
     """
 
     center: NDArray[np.float64]
@@ -57,13 +57,13 @@ class Obb(Volume):
     Attributes
     ----------
     center : (3,) float64 array
-        Its centre.
+        Center of the box.
     axes : (3, 3) float64 array
-        Three unit vectors at right angles, one a row.
+        Three orthogonal unit vectors, one for each row.
     half_extents : (3,) float64 array
         Half the lengths along the axes, rounded up.
     volume_lower : float
-        No convex set that holds the points has a smaller volume; zero where nothing better is known.
+        Lower bound: no convex set that contains the points has a smaller volume. Zero if unknown.
     """
 
     center: NDArray[np.float64]
@@ -74,14 +74,14 @@ class Obb(Volume):
 
 @dataclass(frozen=True, eq=False)
 class Capsule(Volume):
-    """The points within a radius of a segment.
+    """A capsule: the points within a radius of a segment.
 
     Attributes
     ----------
     start, end : (3,) float64 array
-        The ends of the segment, which may be one point.
+        Ends of the segment, which may be equal.
     radius : float
-        Rounded up.
+        Radius, rounded up.
     """
 
     start: NDArray[np.float64]
@@ -91,16 +91,16 @@ class Capsule(Volume):
 
 @dataclass(frozen=True, eq=False)
 class Lozenge(Volume):
-    """The points within a radius of a rectangle.
+    """A lozenge: the points within a radius of a rectangle.
 
     Attributes
     ----------
     corner : (3,) float64 array
         A corner of the rectangle.
     edges : (2, 3) float64 array
-        The two edges from there, one a row.
+        The two edges of the rectangle from `corner`, one for each row.
     radius : float
-        Rounded up.
+        Radius, rounded up.
     """
 
     corner: NDArray[np.float64]
@@ -110,14 +110,14 @@ class Lozenge(Volume):
 
 @dataclass(frozen=True, eq=False)
 class Kdop(Volume):
-    """A polytope of parallel pairs of faces: the points x with ``low <= directions @ x <= high``.
+    """A k-DOP, bounded by pairs of parallel planes: all x with ``low <= directions @ x <= high``.
 
     Attributes
     ----------
     directions : (k / 2, 3) float64 array
-        Of entries -1, 0 and 1, not of unit length.
+        Normals of the planes, with entries -1, 0 and 1; not of unit length.
     low, high : (k / 2,) float64 array
-        The least and greatest extent along each, rounded outward.
+        Minimum and maximum of the points along each direction, rounded outward.
     """
 
     directions: NDArray[np.float64] = field(repr=False)
@@ -132,11 +132,12 @@ class Hull:
     Attributes
     ----------
     vertices : (h,) uint32 array
-        The points that are not in the hull of the others, as ascending indices into the points; of equal points the
-        first.
+        Ascending indices of the points that are not in the hull of the others. Of equal points, the
+        first is used.
     faces : (f, 3) uint32 array
-        The boundary as triangles of indices into the points, counterclockwise seen from outside. A flat hull has both
-        its sides; one that is a point or a segment has none.
+        Triangles of the boundary, as indices into the points, counterclockwise as seen from
+        outside. A flat hull has faces on both sides. A hull that is a point or a segment has no
+        faces.
     dimension : int
         0 for a point, 1 for a segment, 2 for a polygon, 3 for a polyhedron.
     """
@@ -152,24 +153,24 @@ class Hull:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Proxies:
-    """What may stand for a mesh: its convex hull, and a volume of each kind about it.
+    """Simple volumes around a mesh: its convex hull, and one volume of each kind.
 
     Attributes
     ----------
     hull : Hull
-        Of indices into the mesh's vertices; exact.
+        Convex hull, as indices into the mesh's vertices; exact.
     aabb : Aabb
-        The axis-aligned box.
+        Axis-aligned box.
     sphere : Sphere
-        The smallest one, but for rounding; its `lower` is 0.
+        Smallest sphere, to within rounding; its `lower` is 0.
     capsule : Capsule
-        That of `impinge.fit.capsule`.
+        As from `impinge.fit.capsule`.
     lozenge : Lozenge
-        That of `impinge.fit.lozenge`.
+        As from `impinge.fit.lozenge`.
     obb : Obb
-        That of `impinge.fit.obb`; its `volume_lower` is 0.
+        As from `impinge.fit.obb`; its `volume_lower` is 0.
     kdop14, kdop18, kdop26 : Kdop
-        Polytopes of so many faces.
+        k-DOPs with 14, 18 and 26 faces.
     """
 
     hull: Hull
@@ -183,41 +184,41 @@ class Proxies:
     kdop26: Kdop
 
     def __repr__(self) -> str:
-        """Return what the hull is."""
+        """Return the sizes of the hull."""
         return f"Proxies({self.hull!r})"
 
 
 def sphere_of(numbers: Numbers) -> Sphere:
-    """Return the sphere of its centre, its radius and the lower bound."""
+    """Return a sphere from its center, radius and lower bound."""
     (center,), (radius, lower), sizes = _sized(numbers)
     return Sphere(center, float(radius), float(lower), **sizes)
 
 
 def obb_of(numbers: Numbers) -> Obb:
-    """Return the box of its centre, axes and half-extents, and the lower bound."""
+    """Return an oriented box from its center, axes, half-extents and lower bound."""
     rows, (lower,), sizes = _sized(numbers)
     return Obb(rows[0], rows[1:4], rows[4], float(lower), **sizes)
 
 
 def capsule_of(numbers: Numbers) -> Capsule:
-    """Return the capsule of its ends and its radius."""
+    """Return a capsule from its ends and radius."""
     (start, end), (radius,), sizes = _sized(numbers)
     return Capsule(start, end, float(radius), **sizes)
 
 
 def lozenge_of(numbers: Numbers) -> Lozenge:
-    """Return the lozenge of a corner, two edges and its radius."""
+    """Return a lozenge from a corner, two edges and its radius."""
     rows, (radius,), sizes = _sized(numbers)
     return Lozenge(rows[0], rows[1:], float(radius), **sizes)
 
 
 def kdop_of(numbers: Numbers) -> Kdop:
-    """Return the polytope of its directions and the extents along them."""
+    """Return a k-DOP from its directions and the extents along them."""
     rows, extents, sizes = _sized(numbers)
     return Kdop(rows, extents[: len(rows)], extents[len(rows) :], **sizes)
 
 
 def _sized(numbers: Numbers) -> tuple[NDArray[np.float64], NDArray[np.float64], dict[str, float]]:
-    """Return rows of three numbers, single numbers, and what every volume has."""
+    """Return the rows, the single numbers, and the fields that all volumes have."""
     rows, singles = numbers
     return rows, singles[:-2], {"volume": float(singles[-2]), "surface_area": float(singles[-1])}

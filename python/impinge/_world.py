@@ -1,4 +1,4 @@
-"""Worlds of many bodies that the caller moves: which of them meet, since when, where and how deep."""
+"""Worlds of many bodies that the caller moves: which pairs intersect, since when, and where."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from impinge._errors import InputError
 from impinge._handles import ALL_LAYERS, handle, handles_of, mask, numbers_of, poses_of
 from impinge._points import scalar
 from impinge._scalars import flag
-from impinge._shape import AnyShape, settled
+from impinge._shape import AnyShape, snapshot_of
 from impinge._world_answers import Step, Work
 from impinge._world_queries import WorldQueries
 from impinge._world_state import WorldState
@@ -27,33 +27,33 @@ NarrowPhase: TypeAlias = Literal["boxes", "intersections", "contacts"]
 
 @final
 class World(WorldQueries):
-    """Many bodies, and which of them meet. There are no dynamics: the caller moves the bodies.
+    """Many bodies, and the pairs that intersect. No dynamics: the caller moves the bodies.
 
-    A body is named by its handle, an integer that never comes to mean another body. Reports are sorted by the bodies'
-    tags, then by their handles, and do not depend on the broad phase, the number of threads or the order in which
-    bodies came. What counts as meeting is what `impinge.intersects` says; touching counts.
+    A body is identified by its handle, an integer that is never used for another body. Reports are
+    sorted by the bodies' tags, then by handles, and do not depend on options, threads or the order
+    of insertion. Two bodies intersect if `impinge.intersects` returns True.
 
     Parameters
     ----------
     broad_phase : {"auto", "every", "tree", "columns", "grid", "one_axis", "three_axes"}
-        How pairs of boxes are found, which changes no answer. ``"auto"`` goes by the number of bodies and how many of
-        them move.
+        Algorithm that finds pairs of overlapping boxes; it affects no answer. ``"auto"`` chooses by
+        the number of bodies and by the share that moves.
     narrow_phase : {"contacts", "intersections", "boxes"}
-        What is found out about pairs whose boxes overlap: whether they meet and their contacts; whether they meet;
-        nothing, so that such pairs count as meeting.
+        Test of pairs with overlapping boxes: whether they intersect, and their contacts; only
+        whether they intersect; or no test, so that all such pairs count as intersecting.
 
     Raises
     ------
     InputError
-        If an option is none of these.
+        If there is no such option.
 
     Notes
     -----
-    Steps and questions use all processors (`impinge.threads`), without Python's lock; calls from several threads take
-    turns.
+    Steps and queries use all processors (see `impinge.threads`), with the interpreter's lock
+    released; calls from several threads run one after another.
 
-    A copy (`copy.copy`, `copy.deepcopy`) is a world of its own, which shares the shapes. A world pickles with all that
-    `save` keeps, its options and its filter, if that does; so does what `save` returns. Handles stay what they are.
+    A copy (`copy.copy`, `copy.deepcopy`) is an independent world that shares the shapes. A world
+    pickles the state of `save`, its options, and its filter, which must be picklable.
 
     Examples
     --------
@@ -90,169 +90,174 @@ class World(WorldQueries):
         tag: ArrayLike = 0,
         realigned_by: Realignment = "own",
     ) -> Any:
-        """Put bodies of one shape into the world; what they meet is told by the next step.
+        """Insert bodies with one shape; the next step reports their pairs.
 
         Parameters
         ----------
         shape : Shape or Mesh
-            Shared by the bodies. A mesh is its surface as it is now.
+            Shared by the bodies. A mesh is its surface in its current state.
         pose : (..., 4, 4) array_like of float32 or float64, optional
             World from body, for one body or for many.
         kind : {"moving", "kinematic", "static"}
-            Pairs are looked for of which one body at least is ``"moving"``. A ``"static"`` one no step can move.
+            Pairs without a ``"moving"`` body are skipped. No step can move a ``"static"`` body.
         layers, meets : int
-            The layers that the bodies are on, and those whose bodies they meet, as 32 bits. Both bodies of a pair have
-            to want it.
+            Layers of the bodies, and layers that they collide with, as 32 bits. A pair is skipped
+            unless each body collides with a layer of the other.
         owner : (...) array_like of integers, optional
-            Bodies with one owner never meet: the limbs of one character.
+            Bodies with the same owner, such as the limbs of one character, never collide.
         tag : (...) array_like of integers
-            Numbers of the caller's, by which reports are sorted.
+            Numbers chosen by the caller, by which reports are sorted.
         realigned_by : {"own", "rotated", "loose", "hull", "climbing"}
-            How the bodies' boxes follow them, which changes no answer: the shape's own way, tight for what is convex
-            and that of the turned box for meshes; always the box of the turned box; the box of the sphere about the
-            origin; tight, by all vertices of the convex hull; tight, by climbing on the hull from the last extremes.
-            ``docs/realigning.md`` measures them. Compounds and half-spaces always have their own.
+            Update of the bodies' boxes after moves; it affects no answer. ``"own"`` is tight for
+            convex shapes, and ``"rotated"``, the box of the rotated local box, for meshes.
+            ``"loose"`` is the box of a sphere about the body's origin. ``"hull"`` and
+            ``"climbing"`` are tight: one tests all vertices of the convex hull, the other climbs on
+            it from the last extreme vertices. ``docs/notes/realigning.md`` compares them. Compounds and
+            half-spaces use ``"own"``.
 
         Returns
         -------
         int or (...) uint64 array
-            The handles.
+            Handles of the bodies.
 
         Raises
         ------
         InputError
-            If an argument is none of the above, or a round shape does not stand a pose; nothing was inserted then.
+            If an argument is invalid, or if a pose is not rigid and the shape is round. Nothing is
+            inserted then.
         """
         poses = np.eye(4) if pose is None else _arrays.plain_poses(pose, "pose")
         lead = poses.shape[:-2]
         owners = None if owner is None else numbers_of(owner, "owner", lead)
-        standing = kind, mask(layers, "layers"), mask(meets, "meets")
-        placement = settled(shape), realigned_by, poses
-        return scalar(self._core.insert(placement, standing, owners, numbers_of(tag, "tag", lead)))
+        traits = kind, mask(layers, "layers"), mask(meets, "meets")
+        placement = snapshot_of(shape), realigned_by, poses
+        return scalar(self._core.insert(placement, traits, owners, numbers_of(tag, "tag", lead)))
 
     def remove(self, bodies: ArrayLike) -> None:
-        """Take bodies out; pairs that they were in are gone at once, and told as ended by the next step.
+        """Remove bodies. Their pairs are removed at once, and the next step reports them as ended.
 
         Parameters
         ----------
         bodies : int or (...) array_like of integers
-            Handles, which are out of use from now on.
+            Handles, which are invalid from now on.
 
         Raises
         ------
         InputError
-            If a body is not, or no longer, in the world; none was taken out then.
+            If a handle is stale. Nothing is removed then.
         """
         self._core.remove(handles_of(bodies)[0])
 
     def step(
         self, bodies: ArrayLike | None = None, poses: ArrayLike | None = None, *, persisting: bool = False
     ) -> Step:
-        """Move bodies, and say what changed.
+        """Move bodies, and return the pairs that began and ended.
+
+        The cost depends on the bodies that move and their pairs; other bodies cost nothing.
 
         Parameters
         ----------
         bodies : int or (...) array_like of integers, optional
-            Those that move; others stay where they are. Of two poses for one body the last counts.
+            Handles of the bodies that move. If a handle occurs twice, its last pose is used.
         poses : (..., 4, 4) array_like of float32 or float64, optional
             World from body, one for each body or one for all.
         persisting : bool
-            Whether the pairs that met before and still do are wanted, too; all that meet are `pairs`.
+            Whether to return also the pairs that intersected before and still do.
 
         Returns
         -------
         Step
-            A step costs what moved and the pairs that it is in; what stands still costs nothing.
+            The changes since the previous step.
 
         Raises
         ------
         InputError
-            If a handle is stale, a body static or a pose none, or not rigid where the shape is round; it says which.
-            Nothing has moved then.
+            If a handle is stale, a body is static, or a pose is invalid, or not rigid and the shape
+            is round. The error names the entry; no body is moved.
         Exception
-            What a filter raised; the pair counts as admitted, and the step was made.
+            Any exception that a filter raised. The pair counts as admitted; the step is complete.
         """
         if (bodies is None) != (poses is None):
             what = "poses" if poses is None else "bodies"
-            raise InputError("bodies and poses come together", kind="option", what=what)
+            raise InputError("is missing: pass both bodies and poses, or neither", kind="option", what=what)
         handles, lead = handles_of(() if bodies is None else bodies)
-        began, ended, stay, work = self._core.step(handles, poses_of(poses, lead), flag(persisting, "persisting"))
-        return Step(began, ended, stay, Work(*work))
+        began, ended, persisted, work = self._core.step(handles, poses_of(poses, lead), flag(persisting, "persisting"))
+        return Step(began, ended, persisted, Work(*work))
 
     def pairs(self, body: int | None = None) -> NDArray[np.uint64]:
-        """Return the pairs that met at the last step, (p, 2) handles, sorted; those of one body where it is named.
+        """Return the pairs that intersected at the last step, (p, 2) handles, sorted.
+
+        If `body` is given, only the pairs of this body are returned.
 
         Raises
         ------
         InputError
-            If the body is not, or no longer, in the world.
+            If the handle is stale.
         """
         return self._core.pairs(None if body is None else handle(body))[0]
 
     def undecided(self) -> NDArray[np.bool_]:
-        """Return which of `pairs` nothing was proved about, (p,): round shapes that touch to within rounding."""
+        """Report which of `pairs` are undecided, (p,): round shapes touching to within rounding."""
         return self._core.pairs(None)[1]
 
     def contacts(self) -> ContactRows:
-        """Return the contacts of `pairs`: row ``i`` has those of pair ``i``, as `impinge.contacts` says.
+        """Return the contacts of `pairs` at the last step: row ``i`` belongs to pair ``i``.
 
-        There are none where the world was made with another `narrow_phase`.
+        They equal those of `impinge.contacts`. Empty if the world has another `narrow_phase`.
         """
         offsets, columns = self._core.contacts()
         return contact_rows(offsets, columns, (len(offsets) - 1,))
 
     @property
     def bodies(self) -> NDArray[np.uint64]:
-        """(n,) handles of all bodies."""
+        """Handles of all bodies, (n,)."""
         return self._core.bodies()
 
     def poses(self, bodies: ArrayLike) -> NDArray[np.float64]:
-        """Return where bodies are: world from body, (..., 4, 4).
+        """Return the poses of bodies, world from body, (..., 4, 4).
 
         Raises
         ------
         InputError
-            If a body is not, or no longer, in the world.
+            If a handle is stale.
         """
         handles, lead = handles_of(bodies)
         return self._core.poses(handles).reshape(*lead, 4, 4)
 
     def tags(self, bodies: ArrayLike) -> Any:
-        """Return the tags of bodies, (...) uint64; of pairs, for example.
+        """Return the tags of bodies, (...) uint64, of pairs for example.
 
         Raises
         ------
         InputError
-            If a body is not, or no longer, in the world.
+            If a handle is stale.
         """
         handles, lead = handles_of(bodies)
         return scalar(self._core.tags(handles).reshape(lead))
 
     def bounds(self, bodies: ArrayLike) -> NDArray[np.float64]:
-        """Return lower and upper corners, (..., 2, 3), of boxes about bodies; infinite about what nothing bounds.
+        """Return boxes (..., 2, 3) around bodies in the world frame; infinite if unbounded.
 
         Raises
         ------
         InputError
-            If a body is not, or no longer, in the world.
+            If a handle is stale.
         """
         handles, lead = handles_of(bodies)
         return self._core.bounds(handles).reshape(*lead, 2, 3)
 
     def set_poses(self, bodies: ArrayLike, poses: ArrayLike) -> None:
-        """Put bodies elsewhere at once, static ones too; what they meet there is told by the next step.
+        """Move bodies at once, static bodies included; the next step reports the changes.
 
         Parameters
         ----------
-        bodies : int or (...) array_like of integers
-            Handles.
-        poses : (..., 4, 4) array_like of float32 or float64
-            World from body, one for each body or one for all.
+        bodies, poses
+            As for `step`.
 
         Raises
         ------
         InputError
-            As for `step`. Nothing has moved then.
+            As for `step`. Nothing is moved then.
         """
         handles, lead = handles_of(bodies)
         self._core.set_poses(handles, poses_of(poses, lead))
@@ -266,67 +271,68 @@ class World(WorldQueries):
         meets: int = ALL_LAYERS,
         owner: ArrayLike | None = None,
     ) -> None:
-        """Change what moves bodies, whom they meet and who owns them, from the next step on; their tags stay.
+        """Set kind, layers and owner of bodies, from the next step on; tags do not change.
 
         Parameters
         ----------
         bodies : int or (...) array_like of integers
             Handles.
         kind, layers, meets, owner
-            As for `insert`; all of them, so that what is not given is as it is there.
+            As for `insert`. All of them are set: an omitted argument is reset to its default.
 
         Raises
         ------
         InputError
-            If a handle is stale or an option none of these.
+            If a handle is stale, or if an option is invalid.
         """
         handles, lead = handles_of(bodies)
         owners = None if owner is None else numbers_of(owner, "owner", lead)
         self._core.set_traits(handles, (kind, mask(layers, "layers"), mask(meets, "meets")), owners)
 
     def set_shape(self, body: int, shape: AnyShape) -> None:
-        """Give a body another shape; what it meets then is told by the next step.
+        """Replace the shape of a body; the next step reports the changes.
 
         Raises
         ------
         InputError
-            If the handle is stale, or the shape does not stand the body's pose.
+            If the handle is stale, or if the shape is round and the body's pose is not rigid.
         """
-        self._core.set_shape(handle(body), settled(shape))
+        self._core.set_shape(handle(body), snapshot_of(shape))
 
     def refit(self, body: int, vertices: ArrayLike) -> float:
-        """Move the vertices of a body that is a mesh, as `Mesh.refit` does; other bodies of the mesh keep it as it is.
+        """Move the vertices of a body that is a mesh, as `Mesh.refit` does; no other body changes.
 
         Parameters
         ----------
         body : int
-            Its handle.
+            Handle of the body.
         vertices : (n, 3) array_like of float32 or float64
-            As many as before, in the mesh's own frame.
+            As for `Mesh.refit`.
 
         Returns
         -------
         float
-            What the mesh's `Mesh.aging` is by now.
+            `Mesh.aging` after the refit.
 
         Raises
         ------
         InputError
-            If the handle is stale, the body is no mesh, or as for `Mesh.refit`.
+            If the handle is stale, if the body is not a mesh, or as for `Mesh.refit`.
         """
         return self._core.refit(handle(body), _arrays.plain_cloud(vertices, "vertices"))
 
     def set_filter(self, admits: Callable[[int, int], object] | None) -> None:
-        """Ask a function which pairs may meet, from the next step on.
+        """Set a function that decides which pairs may collide, from the next step on.
 
         Parameters
         ----------
         admits : callable or None
-            ``admits(a, b)`` with two handles, the first of the lesser tag or handle: whether they may meet. It is asked
-            about pairs whose boxes overlap and that kinds, layers and owners admit. It has to
-            give the same answer whenever it is asked, and must not call this world, or impinge with many rows. It is
-            asked by the threads of a step, one after another as they need the interpreter: where layers or owners do,
-            they are much quicker. None admits every pair.
+            ``admits(a, b)`` returns whether two bodies may collide; None admits all pairs. The
+            arguments are handles, sorted by tag, then by handle. It is called for pairs with
+            overlapping boxes that kinds, layers and owners admit. It must always return the same
+            result for the same pair, and must not call this world, nor impinge with many rows. The
+            threads of a step call it one at a time, because each needs the interpreter's lock:
+            layers and owners are much faster.
         """
         if admits is not None and not callable(admits):
             raise InputError(f"must be callable, not {type(admits).__name__}", kind="type", what="admits")
@@ -334,21 +340,21 @@ class World(WorldQueries):
         self._admits = admits
 
     def save(self) -> WorldState:
-        """Return all that steps change, for going back to it with `restore`.
+        """Return a snapshot of everything that steps change, for `restore`.
 
-        From there the same steps give the same bytes. The filter is not part of it. It costs a copy of the bodies'
-        records; shapes are shared. It pickles, the arrays out of band with protocol 5, and shapes once however many
-        bodies have them.
+        After `restore`, the same steps return bitwise equal results. The filter is not included. A
+        snapshot copies the bodies' records and shares the shapes. It is picklable: arrays are sent
+        out of band with protocol 5, and each shape is stored once.
         """
         return self._core.save()
 
     def restore(self, state: WorldState) -> None:
-        """Go back to what `save` returned, of this world or of one with the same options; handles are those of then.
+        """Restore a snapshot of this world, or of another world with the same options.
 
         Raises
         ------
         InputError
-            If it is something else.
+            If `state` is not such a snapshot.
 
         Examples
         --------
@@ -362,7 +368,8 @@ class World(WorldQueries):
         array([1., 2., 3.])
         """
         if not isinstance(state, WorldState):
-            raise InputError(f"must be what save() returned, not {type(state).__name__}", kind="type", what="state")
+            message = f"must be a WorldState, the result of save(), not {type(state).__name__}"
+            raise InputError(message, kind="type", what="state")
         self._core.restore(state)
 
     def __len__(self) -> int:
@@ -374,15 +381,15 @@ class World(WorldQueries):
         return f"World({len(self)} bodies, {len(self.pairs())} pairs)"
 
     def __copy__(self) -> World:
-        """Return another world with the same bodies, pairs and filter; shapes are shared."""
+        """Return an independent world with the same bodies, pairs and filter; shapes are shared."""
         return _world_of(*self._options, self._admits, self.save())
 
     def __deepcopy__(self, memo: object) -> World:
-        """Return another world with the same bodies, pairs and filter; shapes, which never change, are shared."""
+        """Return an independent world with the same bodies, pairs and filter; shapes are shared."""
         return self.__copy__()
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle options, filter and state."""
+        """Pickle the options, the filter and the state."""
         return _world_of, (*self._options, self._admits, self.save())
 
 

@@ -1,4 +1,4 @@
-"""What a world answers: what a step changed, what rays meet, which bodies are somewhere."""
+"""Results of a world: the changes at a step, the hits of rays, and the bodies that queries find."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from impinge._ragged import Ragged
 
 @dataclass(frozen=True)
 class Work:
-    """How much work a step was, in counts that depend on nothing but the bodies.
+    """Amount of work in a step, as counts that depend on nothing but the bodies.
 
     Attributes
     ----------
     changed : int
-        Bodies that changed.
+        Number of bodies that changed.
     gained, lost : int
-        Pairs of boxes that came to overlap, and that ceased to.
+        Numbers of pairs of boxes that started and stopped overlapping.
     examined : int
-        Pairs of shapes that were looked at.
+        Number of pairs of shapes that were tested.
     candidates : int
-        Pairs of boxes that overlap now.
+        Number of pairs of boxes that overlap now.
     """
 
     changed: int
@@ -35,18 +35,20 @@ class Work:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Step:
-    """What changed at a step; pairs are sorted by the bodies' tags, then by handles.
+    """Changes at a step. Pairs are sorted by the tags of the bodies, then by their handles.
 
     Attributes
     ----------
     began : (k, 2) uint64 array
-        Handles of the pairs that meet now and did not before.
+        Handles of the pairs that intersect now and did not before.
     ended : (k, 2) uint64 array
-        Those of pairs that met before and do not now; a body that was removed is named by its stale handle.
+        Handles of the pairs that intersected before and do not now. A removed body has its stale
+        handle here.
     persisting : (k, 2) uint64 array or None
-        Those of pairs that met before and still do, where they were asked for.
+        Handles of the pairs that intersected before and still do; None if the caller did not ask
+        for them.
     work : Work
-        What the step had to do.
+        Amount of work in the step.
     """
 
     began: NDArray[np.uint64]
@@ -55,23 +57,24 @@ class Step:
     work: Work
 
     def __repr__(self) -> str:
-        """Return how many pairs began and ended."""
-        stay = "" if self.persisting is None else f", {len(self.persisting)} persisting"
-        return f"Step({len(self.began)} began, {len(self.ended)} ended{stay})"
+        """Return the numbers of pairs."""
+        persisting = "" if self.persisting is None else f", {len(self.persisting)} persisting"
+        return f"Step({len(self.began)} began, {len(self.ended)} ended{persisting})"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Bodies(Ragged[NDArray[np.uint64]]):
-    """The bodies that were found for each of many questions, one's after another's.
+    """Bodies found by each of many queries, concatenated query by query.
 
     Attributes
     ----------
     offsets : (n + 1,) int64 array
-        Those of question ``i``, in row-major order of the leading axes, are ``handles[offsets[i]:offsets[i + 1]]``.
+        Start of each query's bodies: the bodies of query ``i``, in row-major order of the leading
+        axes, are ``handles[offsets[i]:offsets[i + 1]]``.
     handles : (k,) uint64 array
-        For each question sorted by tags, then by themselves.
+        Handles, for each query sorted by tag, then by handle.
     shape : tuple of int
-        The leading axes of the questions; their product is ``n``.
+        The leading axes of the queries; their product is ``n``.
 
     Examples
     --------
@@ -99,20 +102,21 @@ class Bodies(Ragged[NDArray[np.uint64]]):
 
 @dataclass(frozen=True, eq=False)
 class BodyRayHit:
-    """Where rays meet bodies; numbers where a single one was cast.
+    """Hits of rays on bodies; plain numbers for a single ray.
 
     Attributes
     ----------
     hit : bool or (...) bool array
-        Whether the ray meets a body.
+        Whether the ray hits a body.
     t : float or (...) float64 array
-        In units of the direction's length, zero where the ray starts in a shape; infinite where nothing is met.
+        Ray parameter of the hit, in units of the direction's length; zero if the ray starts inside
+        a shape, infinite if it misses.
     body : int or (...) uint64 array
-        The handle of the body; 0, which no body has, where nothing is met.
+        Handle of the body; 0, which is never a handle, if the ray misses.
     point : (..., 3) float64 array
-        The point, in the world frame, rounded; zero where nothing is met.
+        Point of the hit in the world frame, rounded; zero if the ray misses.
     face : int or (...) int64 array
-        The face of a mesh; -1 where there is none.
+        Face of a mesh that is hit; -1 if no mesh is hit.
     """
 
     hit: bool | NDArray[np.bool_]
@@ -124,15 +128,15 @@ class BodyRayHit:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BodyRayHits(Ragged[BodyRayHit]):
-    """Every body that each of many rays meets, one ray's hits after another's.
+    """All bodies that each of many rays hits, concatenated ray by ray.
 
     Attributes
     ----------
     offsets : (n + 1,) int64 array
-        The hits of ray ``i``, in row-major order of the leading axes, are those from ``offsets[i]`` to
-        ``offsets[i + 1]``; for each ray in the order in which it meets them.
+        Start of each ray's hits: the hits of ray ``i``, in row-major order of the leading axes, go
+        from ``offsets[i]`` to ``offsets[i + 1]``. The hits of a ray are in the order along the ray.
     t, body, point, face : (k,) or (k, 3) arrays
-        As those of `BodyRayHit`.
+        As in `BodyRayHit`.
     shape : tuple of int
         The leading axes of the rays; their product is ``n``.
     """
@@ -159,5 +163,5 @@ class BodyRayHits(Ragged[BodyRayHit]):
 def body_hits_of(
     t: NDArray[np.float64], body: NDArray[np.uint64], point: NDArray[np.float64], face: NDArray[np.int64]
 ) -> BodyRayHit:
-    """Return what one ray meets: arrays of as many entries as there are hits."""
+    """Return all hits of one ray: arrays with one entry for each hit."""
     return BodyRayHit(np.ones(len(t), bool), t, body, point, face)

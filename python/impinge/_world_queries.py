@@ -1,4 +1,4 @@
-"""What rays meet in a world, and what is in boxes, at points and in the way of shapes there."""
+"""Queries on a world: rays, and the bodies in boxes, at points and in the way of shapes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from impinge._world_answers import Bodies, BodyRayHit, BodyRayHits, body_hits_of
 
 
 class WorldQueries:
-    """A world that is asked what is where; `World` is the only one."""
+    """Base class of `World` with the queries that do not change it."""
 
     __slots__ = ("_core",)
     _core: _impinge.WorldCore
@@ -24,28 +24,28 @@ class WorldQueries:
     def ray_cast(
         self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf, layers: int = ALL_LAYERS
     ) -> BodyRayHit:
-        """Return the first body that each ray meets.
+        """Return the first body that each ray hits.
 
         Parameters
         ----------
         origins : (..., 3) array_like of float32 or float64
             In the world frame, below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
-            Of a length from 2^-600 to 2^300. The leading axes of both broadcast as in NumPy.
+            With a length from 2^-600 to 2^300. The leading axes of both broadcast as in NumPy.
         reach : float
-            How far, in units of the directions' lengths.
+            Maximum ray parameter, in units of the directions' lengths.
         layers : int
-            Bodies on other layers are looked through.
+            Layers to search, as 32 bits; bodies on other layers are ignored.
 
         Returns
         -------
         BodyRayHit
-            Its fields have the leading axes.
+            The fields have the leading axes.
 
         Raises
         ------
         InputError
-            If a number is not in range or a direction is zero; it says which.
+            If a number is out of range or a direction is zero; the error names the entry.
 
         Examples
         --------
@@ -56,14 +56,14 @@ class WorldQueries:
         >>> hit.body == int(balls[0]), round(hit.t, 9)
         (True, 2.0)
         """
-        rays = origins, directions, real(reach, "reach", least=0)
+        rays = origins, directions, real(reach, "reach", minimum=0)
         hit, (t, body, point, face) = _impinge.world_ray_cast(self._core, rays, mask(layers, "layers"))
         return BodyRayHit(scalar(hit), scalar(t), scalar(body), point, scalar(face))
 
     def ray_cast_all(
         self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf, layers: int = ALL_LAYERS
     ) -> BodyRayHit | BodyRayHits:
-        """Return every body that each ray meets, where it does first, in this order.
+        """Return every body that each ray hits, at its first hit, in order along the ray.
 
         Parameters
         ----------
@@ -73,14 +73,15 @@ class WorldQueries:
         Returns
         -------
         BodyRayHit or BodyRayHits
-            For a single ray a `BodyRayHit` with as many entries as there are hits.
+            For a single ray a `BodyRayHit` with one entry for each hit; `BodyRayHits` if there are
+            leading axes.
 
         Raises
         ------
         InputError
             As for `ray_cast`.
         """
-        rays = origins, directions, real(reach, "reach", least=0)
+        rays = origins, directions, real(reach, "reach", minimum=0)
         offsets, columns, shape = _impinge.world_ray_cast_all(self._core, rays, mask(layers, "layers"))
         t, body, point, face = columns
         return BodyRayHits(offsets, t, body, point, face, tuple(shape)) if shape else body_hits_of(t, body, point, face)
@@ -88,7 +89,7 @@ class WorldQueries:
     def overlapping(
         self, shape: AnyShape, pose: ArrayLike | None = None, *, layers: int = ALL_LAYERS
     ) -> NDArray[np.uint64] | Bodies:
-        """Return the bodies that a shape meets, which is in the world for the question alone.
+        """Return the bodies that a shape intersects, without inserting it into the world.
 
         Parameters
         ----------
@@ -97,22 +98,22 @@ class WorldQueries:
         pose : (..., 4, 4) array_like of float32 or float64, optional
             World from shape.
         layers : int
-            Bodies on other layers are passed over.
+            Layers to search, as 32 bits; bodies on other layers are ignored.
 
         Returns
         -------
         (k,) uint64 array or Bodies
-            Handles, sorted by tags and then by themselves; `Bodies` where the pose has leading axes.
+            Handles, sorted by tag, then by handle; `Bodies` if the pose has leading axes.
 
         Raises
         ------
         InputError
-            If an argument is none of the above.
+            If an argument is invalid.
         """
         return _bodies(_impinge.world_overlapping(self._core, shape, pose, mask(layers, "layers")))
 
     def in_boxes(self, low: ArrayLike, high: ArrayLike, *, layers: int = ALL_LAYERS) -> NDArray[np.uint64] | Bodies:
-        """Return the bodies whose boxes overlap given ones: what is about there, quickly.
+        """Return the bodies whose boxes overlap given boxes: a fast, approximate search.
 
         Parameters
         ----------
@@ -129,12 +130,12 @@ class WorldQueries:
         Raises
         ------
         InputError
-            If a number is not in range, or an upper corner is below a lower one.
+            If a number is out of range, or if an upper corner is below a lower one.
         """
         return _bodies(_impinge.world_in_boxes(self._core, low, high, mask(layers, "layers")))
 
     def at_points(self, points: ArrayLike, *, layers: int = ALL_LAYERS) -> NDArray[np.uint64] | Bodies:
-        """Return the bodies that hold points; the surface of a mesh holds what is on it.
+        """Return the bodies that contain points; a surface mesh contains the points on it.
 
         Parameters
         ----------
@@ -151,7 +152,7 @@ class WorldQueries:
         Raises
         ------
         InputError
-            If a number is not in range.
+            If a number is out of range.
         """
         return _bodies(_impinge.world_at_points(self._core, points, mask(layers, "layers")))
 

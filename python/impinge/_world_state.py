@@ -1,4 +1,4 @@
-"""How what `World.save` returns pickles."""
+"""Pickling of the snapshots that `World.save` returns."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["WorldState"]
 
 def _reduced(state: WorldState) -> tuple[type[WorldState], tuple[Any]]:
     version, options, places, (shapes, numbers), bodies, pairs, departed = state.data()
-    # What the world itself refitted is of no shape that somebody made.
+    # A mesh that `World.refit` moved has no `Shape` of the caller's, so make one.
     made = [Shape.mesh(Mesh._of(one[0], None), solid=one[1]) if isinstance(one, tuple) else one for one in shapes]
     return WorldState, ((version, options, places, (made, numbers), bodies, pairs, departed),)
 

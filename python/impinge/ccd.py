@@ -1,6 +1,7 @@
-"""When single features that move first touch: a vertex and a face, or two edges, each corner along a line of its own.
+"""Continuous collision of single features: a vertex and a face, or two edges, with linear motions.
 
-These are the questions of simulations of cloth and of other things that deform.
+Each corner moves along its own line. Simulations of cloth and other deformable bodies use these
+queries.
 """
 
 from __future__ import annotations
@@ -15,24 +16,27 @@ __all__ = ["edge_edge", "vertex_face"]
 
 
 def vertex_face(t0: ArrayLike, t1: ArrayLike) -> float | NDArray[np.float64]:
-    """Return when moving vertices first touch moving faces.
+    """Compute the time at which moving vertices first touch moving faces.
 
     Parameters
     ----------
     t0, t1 : (..., 4, 3) array_like of float32 or float64
-        The vertex and then the corners of the face, at the start and at the end of a linear motion, below 2^128 in
-        magnitude. The leading axes of both broadcast as in NumPy.
+        The vertex, then the three corners of the face, at the start and at the end of a linear
+        motion; coordinates below 2^128 in magnitude. The leading axes of both broadcast as in
+        NumPy.
 
     Returns
     -------
     float or (...) float64 array
-        A time in [0, 1] that is never later than the true first contact, and within 2^-30 of it where contact was
-        proved; infinite where contact is disproved, and only there. What touches at the start gives 0.
+        A time in [0, 1] that is never later than the true first contact. It is within 2^-30 of it
+        if contact is proved. Infinite if and only if contact is disproved. Features that touch at
+        the start give 0.
 
     Raises
     ------
     InputError
-        If an array has another shape or type, or a coordinate is not finite or out of range; it says which.
+        If an array has another shape or type, or if a coordinate is not finite or out of range; the
+        error names the coordinate.
 
     Examples
     --------
@@ -47,13 +51,13 @@ def vertex_face(t0: ArrayLike, t1: ArrayLike) -> float | NDArray[np.float64]:
 
 
 def edge_edge(t0: ArrayLike, t1: ArrayLike) -> float | NDArray[np.float64]:
-    """Return when moving edges first touch.
+    """Compute the time at which moving edges first touch.
 
     Parameters
     ----------
     t0, t1 : (..., 4, 3) array_like of float32 or float64
-        The ends of one edge and then those of the other, at the start and at the end of a linear motion; as for
-        `vertex_face`.
+        The two ends of one edge, then the two ends of the other, at the start and at the end of a
+        linear motion; otherwise as for `vertex_face`.
 
     Returns
     -------

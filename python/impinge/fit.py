@@ -1,14 +1,16 @@
-"""Bounding volumes and hulls of points: ``impinge.fit.obb(points)``.
+"""Bounding volumes and hulls of points, such as ``impinge.fit.obb(points)``.
 
-Points are an (n, 3) array_like of float32 or float64, of which every number is the real one that it is, below 2^128 in
-magnitude. Every volume holds all of them: its size is rounded up last of all, from the points themselves. Any set but
-the empty one has a volume of every kind: one point, duplicates, points on a line or in a plane.
+Points are an (n, 3) array_like of float32 or float64, below 2^128 in magnitude. Each coordinate is
+the exact real number that the float represents. Every volume contains all points: its size is
+computed from the points themselves and rounded up at the end. Every nonempty set of points has a
+volume of every kind, including single points, duplicates, and points on a line or in a plane.
 
-Every function raises `InputError` where points have another type or shape, where there are none, or where one is not
-finite or out of range; it says which. ``docs/volumes.md`` compares the volumes on real meshes.
+Every function raises `InputError` if the points have another type or shape, if there are no points,
+or if a coordinate is not finite or out of range. The error names the coordinate.
+``docs/tasks/volumes.md`` compares the volumes on real meshes.
 
-An axis-aligned box has three forms, `Aabb`, `MinWidths` and `CenterRadius`. They convert into each other without ever
-shrinking, and the last two may be packed into 16 or 20 bytes.
+An axis-aligned box has three forms, `Aabb`, `MinWidths` and `CenterRadius`. A conversion between
+them never shrinks the box. The last two can be packed into 16 or 20 bytes.
 
 Examples
 --------
@@ -94,7 +96,7 @@ _KDOPS = (14, 18, 26)
 
 
 def minimal_sphere(points: ArrayLike) -> Sphere:
-    """Return the smallest sphere that holds all points.
+    """Compute the smallest sphere that contains all points.
 
     Parameters
     ----------
@@ -104,12 +106,13 @@ def minimal_sphere(points: ArrayLike) -> Sphere:
     Returns
     -------
     Sphere
-        With a radius within rounding of `Sphere.lower`, which no sphere that holds the points can go below.
+        Its radius equals `Sphere.lower` to within rounding; no sphere that contains the points is
+        smaller than `Sphere.lower`.
 
     Raises
     ------
     InputError
-        As the module says.
+        As for all functions of `impinge.fit`.
 
     Examples
     --------
@@ -125,15 +128,17 @@ def sphere(
     points: ArrayLike,
     method: Literal["minimal", "mean", "box", "ritter", "principal", "refined"] = "minimal",
 ) -> Sphere:
-    """Return a sphere that holds all points, by one of six constructions.
+    """Compute a sphere that contains all points, by one of six methods.
 
     Parameters
     ----------
     points : (n, 3) array_like of float32 or float64
         The points.
     method : {"minimal", "mean", "box", "ritter", "principal", "refined"}
-        The smallest one; that about the mean; that about the centre of the axis-aligned box; Ritter's; that which grows
-        from the extremes along the first principal axis; Ritter's, shrunk and grown again.
+        ``"minimal"`` is the smallest sphere. ``"mean"`` is centered at the mean of the points,
+        ``"box"`` at the center of the axis-aligned box. ``"ritter"`` is Ritter's method.
+        ``"principal"`` grows from the extreme points along the first principal axis. ``"refined"``
+        is Ritter's sphere, shrunk and grown again several times.
 
     Returns
     -------
@@ -142,13 +147,13 @@ def sphere(
     Raises
     ------
     InputError
-        As the module says, or if there is no such method.
+        As for all functions of `impinge.fit`, or if there is no such method.
     """
     return sphere_of(_fitted(points, f"{chosen(method, _SPHERES, 'method')} sphere"))
 
 
 def aabb(points: ArrayLike) -> Aabb:
-    """Return the least axis-aligned box of points, exactly.
+    """Compute the smallest axis-aligned box of points, exactly.
 
     Parameters
     ----------
@@ -162,21 +167,22 @@ def aabb(points: ArrayLike) -> Aabb:
     Raises
     ------
     InputError
-        As the module says.
+        As for all functions of `impinge.fit`.
     """
     return aabb_of(_fitted(points, "aabb"))
 
 
 def obb(points: ArrayLike, method: Literal["least", "principal"] = "least") -> Obb:
-    """Return an oriented box that holds all points.
+    """Compute an oriented box that contains all points.
 
     Parameters
     ----------
     points : (n, 3) array_like of float32 or float64
         The points.
     method : {"least", "principal"}
-        One of nearly the least volume, at most 6 root 6 of the least one's and mostly close to it; or that along the
-        principal axes, which is quicker and may be large.
+        ``"least"`` has nearly the smallest volume: at most 6 sqrt(6) times the minimum, and mostly
+        close to it. ``"principal"`` is aligned with the principal axes; it is faster, and may be
+        large.
 
     Returns
     -------
@@ -185,13 +191,13 @@ def obb(points: ArrayLike, method: Literal["least", "principal"] = "least") -> O
     Raises
     ------
     InputError
-        As the module says, or if there is no such method.
+        As for all functions of `impinge.fit`, or if there is no such method.
     """
     return obb_of(_fitted(points, f"{chosen(method, _OBBS, 'method')} obb"))
 
 
 def capsule(points: ArrayLike) -> Capsule:
-    """Return a capsule that holds all points: the smallest of those along the three principal axes.
+    """Compute a capsule that contains all points: the smallest along the three principal axes.
 
     Parameters
     ----------
@@ -205,13 +211,15 @@ def capsule(points: ArrayLike) -> Capsule:
     Raises
     ------
     InputError
-        As the module says.
+        As for all functions of `impinge.fit`.
     """
     return capsule_of(_fitted(points, "capsule"))
 
 
 def lozenge(points: ArrayLike) -> Lozenge:
-    """Return a lozenge, a rectangle with a radius, that holds all points: the smallest along the principal axes.
+    """Compute a lozenge, a rectangle with a radius, that contains all points.
+
+    It is the smallest lozenge along the principal axes.
 
     Parameters
     ----------
@@ -225,20 +233,21 @@ def lozenge(points: ArrayLike) -> Lozenge:
     Raises
     ------
     InputError
-        As the module says.
+        As for all functions of `impinge.fit`.
     """
     return lozenge_of(_fitted(points, "lozenge"))
 
 
 def kdop(points: ArrayLike, k: Literal[14, 18, 26] = 18) -> Kdop:
-    """Return the least polytope with k faces in fixed directions that holds all points.
+    """Compute the smallest polytope with k faces in fixed directions that contains all points.
 
     Parameters
     ----------
     points : (n, 3) array_like of float32 or float64
         The points.
     k : {14, 18, 26}
-        The six faces of a cube, and its corners, its edges, or both.
+        Number of faces: the six faces of a cube, and its corners (14), its edges (18), or both
+        (26).
 
     Returns
     -------
@@ -247,13 +256,15 @@ def kdop(points: ArrayLike, k: Literal[14, 18, 26] = 18) -> Kdop:
     Raises
     ------
     InputError
-        As the module says, or if there is no such k.
+        As for all functions of `impinge.fit`, or if there is no such k.
     """
     return kdop_of(_fitted(points, f"{chosen(k, _KDOPS, 'k')}-dop"))
 
 
 def convex_hull(points: ArrayLike) -> Hull:
-    """Return the convex hull of points, exactly: flat, straight and cospherical sets have theirs like others.
+    """Compute the convex hull of points, exactly.
+
+    Flat, straight and cospherical sets of points are handled like any other.
 
     Parameters
     ----------
@@ -263,12 +274,12 @@ def convex_hull(points: ArrayLike) -> Hull:
     Returns
     -------
     Hull
-        Of indices into `points`; ``impinge.Mesh(points, hull.faces)`` is its mesh.
+        The hull, as indices into `points`; ``impinge.Mesh(points, hull.faces)`` is its mesh.
 
     Raises
     ------
     InputError
-        As the module says.
+        As for all functions of `impinge.fit`.
 
     Examples
     --------
@@ -284,24 +295,25 @@ def convex_hull(points: ArrayLike) -> Hull:
 
 
 def proxies(mesh: Mesh) -> Proxies:
-    """Return the convex hull of a mesh's surface, and a volume of each kind about it.
+    """Return the convex hull of a mesh's surface, and a volume of each kind around it.
 
-    Those that `Mesh.bake` wrote beside the mesh, proved to be its own, where it was loaded with them; else they are
-    made when first asked for. Vertices that no face has do not count.
+    If the mesh was loaded from a file with proxies (see `Mesh.bake`), these are validated and
+    returned. Otherwise they are computed at the first call. Vertices without faces are ignored.
 
     Parameters
     ----------
     mesh : Mesh
-        With a face at least.
+        A mesh with at least one face.
 
     Returns
     -------
     Proxies
+        The hull and the volumes.
 
     Raises
     ------
     InputError
-        If the mesh is empty, or comes from a file with other proxies than its own.
+        If the mesh is empty, or if the proxies in its file do not match it.
 
     Examples
     --------

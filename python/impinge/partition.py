@@ -1,29 +1,31 @@
-"""Space partitioning: which of many boxes are where.
+"""Space partitioning: data structures that find boxes by position.
 
-A partition holds axis-aligned boxes under keys: those that it is made of have the keys 0, 1, 2, ... All kinds answer
-the same questions with the same answers, and differ in what they cost and in what they do to space (`Partition.cells`):
+A partition stores axis-aligned boxes under keys. The boxes of the constructor have the keys 0, 1,
+2, ... All kinds return the same answers. They differ in speed, and in how they subdivide space
+(`Partition.cells`):
 
-=====================  ======================================================  ============  ===========================
-kind                   space                                                   boxes move    made for
-=====================  ======================================================  ============  ===========================
-`BoxTree`              volumes that may overlap                                yes           anything
-`UniformGrid`          disjoint cells in a block                               yes           like sizes, known space
-`HashedGrid`           disjoint cells without an end                           yes           like sizes anywhere
-`HierarchicalGrid`     disjoint cells of many sizes                            yes           unlike sizes, few that move
-`Octree`               disjoint cubes in cubes                                 yes           dense here and empty there
-`LooseOctree`          loose cubes in cubes                                    yes           the same, unlike sizes
-`KdTree`               disjoint cells                                          no            points, and what is nearest
-`BspTree`              disjoint cells by the boxes' own planes                 no            rooms, walls
-`SweepOneAxis`         an order along an axis                                  yes           few boxes, long scenes
-`SweepThreeAxes`       an order along each axis                                yes           boxes that move little
-=====================  ======================================================  ============  ===========================
+====================  ==================================  ==========  ==============================
+kind                  space                               boxes move  suited to
+====================  ==================================  ==========  ==============================
+`BoxTree`             volumes that may overlap            yes         any input
+`UniformGrid`         disjoint cells in a block           yes         similar sizes, bounded space
+`HashedGrid`          disjoint cells, unbounded           yes         similar sizes, unbounded space
+`HierarchicalGrid`    disjoint cells of many sizes        yes         mixed sizes, few boxes move
+`Octree`              disjoint nested cubes               yes         uneven density
+`LooseOctree`         loose nested cubes                  yes         uneven density, mixed sizes
+`KdTree`              disjoint cells                      no          points, nearest queries
+`BspTree`             disjoint cells, planes of boxes     no          rooms, walls
+`SweepOneAxis`        order along one axis                yes         few boxes, long scenes
+`SweepThreeAxes`      order along each axis               yes         boxes that move little
+====================  ==================================  ==========  ==============================
 
-Where all that is wanted is which boxes meet, `pairs` finds it from nothing, quickest of all where most boxes moved. A
-`World` chooses among these by itself; ``docs/partition.md`` says what each costs.
+If you only need the overlapping pairs, `pairs` computes them without a stored structure; it is the
+fastest way if most boxes moved. A `World` chooses among these kinds automatically.
+``docs/tasks/partitions.md`` compares their speed.
 
-Corners are (n, 3) array_like of float32 or float64, below 2^320 in magnitude; where `high` is not given, boxes are
-points. Calls that ask many questions use all cores, with Python's lock released. A call that asks finishes on the boxes
-that were there when it began.
+Corners are (n, 3) array_like of float32 or float64, below 2^320 in magnitude. Without `high`, boxes
+are points. Calls with many queries use all cores, with the interpreter's lock released. A query
+uses the boxes that were there when it began.
 
 Examples
 --------
@@ -75,66 +77,70 @@ __all__ = [
 
 
 def pairs(low: ArrayLike, high: ArrayLike | None = None) -> NDArray[np.uint32]:
-    """Return all pairs of boxes that meet, by a sweep of columns from nothing (Tracy, Buss, Woods 2009).
+    """Return all pairs of overlapping boxes, by a sweep of columns without a stored structure.
+
+    The method is that of Tracy, Buss and Woods (2009).
 
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64
-        Corners; points where `high` is not given.
+        Corners. Without `high`, boxes are points.
 
     Returns
     -------
     (k, 2) uint32 array
-        Rows of boxes, sorted, the lesser first. Exact; touching counts.
+        Rows of the boxes, sorted, the smaller first. Exact; touching counts.
 
     Raises
     ------
     InputError
-        If a number is not in range, or an upper corner is below a lower one; it says which.
+        If a number is out of range, or if an upper corner is below a lower one; the error names the
+        entry.
     """
     return _impinge.box_pairs(low, high)
 
 
 @final
 class BoxTree(DynamicPartition):
-    """A tree of boxes about boxes: the kind with the fewest surprises.
+    """A bounding volume hierarchy of boxes: a good choice for most inputs.
 
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64, optional
         Corners.
     margin : float
-        By how much leaves are larger than their boxes on every side, so that a box that moves less stays in its leaf.
+        Margin of leaves around their boxes, on every side. A box that moves less than this stays in
+        its leaf.
 
     Raises
     ------
     InputError
-        If an argument is none of these.
+        If an argument is invalid.
     """
 
     __slots__ = ()
 
     def __init__(self, low: ArrayLike = NO_BOXES, high: ArrayLike | None = None, *, margin: float = 0.0) -> None:
-        self._make(Options("box_tree", (real(margin, "margin", least=0), "margin")), low, high)
+        self._make(Options("box_tree", (real(margin, "margin", minimum=0), "margin")), low, high)
 
 
 @final
 class UniformGrid(DynamicPartition):
-    """Cells of one size in a block; boxes outside of it are in the cells at its border.
+    """Cells of equal size in a block; boxes outside of the block are in the cells at its border.
 
     Parameters
     ----------
     space : (2, 3) array_like of float32 or float64
-        The corners of the block.
+        Corners of the block.
     cell : float
-        The edge of a cell; about twice the boxes' are a good choice. There may be 2^24 cells.
+        Edge of a cell; about twice the edge of a box is a good choice. The maximum is 2^24 cells.
     low, high : (n, 3) array_like of float32 or float64, optional
         Corners.
 
     Raises
     ------
     InputError
-        If an argument is none of these.
+        If an argument is invalid.
     """
 
     __slots__ = ()
@@ -145,19 +151,19 @@ class UniformGrid(DynamicPartition):
 
 @final
 class HashedGrid(DynamicPartition):
-    """Cells of one size without an end, found by hashing.
+    """Cells of equal size in unbounded space, found by hashing.
 
     Parameters
     ----------
     cell : float
-        The edge of a cell; about twice the boxes' are a good choice.
+        Edge of a cell; about twice the edge of a box is a good choice.
     low, high : (n, 3) array_like of float32 or float64, optional
         Corners.
 
     Raises
     ------
     InputError
-        If an argument is none of these.
+        If an argument is invalid.
     """
 
     __slots__ = ()
@@ -168,19 +174,22 @@ class HashedGrid(DynamicPartition):
 
 @final
 class HierarchicalGrid(DynamicPartition):
-    """Hashed cells of many sizes, each box in a cell of its size: quick where sizes differ and few boxes move.
+    """Hashed cells of many sizes, each box in a cell of its size.
+
+    It is fast if sizes vary and few boxes move.
 
     Parameters
     ----------
     cell : float
-        The edge of the least cells: a little more than most boxes have, or than the smallest of which there are many.
+        Edge of the smallest cells: slightly larger than most boxes, or than the smallest common
+        size.
     low, high : (n, 3) array_like of float32 or float64, optional
         Corners.
 
     Raises
     ------
     InputError
-        If an argument is none of these.
+        If an argument is invalid.
     """
 
     __slots__ = ()
@@ -191,21 +200,22 @@ class HierarchicalGrid(DynamicPartition):
 
 @final
 class Octree(DynamicPartition):
-    """Cubes in cubes that share no inner point, each box in the smallest that holds it.
+    """Nested cubes that share no inner point, each box in the smallest cube that contains it.
 
-    A box across the middle of a cube stays in it however small it is; `LooseOctree` is the cure.
+    A box across the middle of a cube stays in that cube, however small it is; `LooseOctree` avoids
+    this.
 
     Parameters
     ----------
     space : (2, 3) array_like of float32 or float64
-        Corners of what the root is laid over; boxes outside are in the root.
+        Corners of the region that the root covers; boxes outside are in the root.
     low, high : (n, 3) array_like of float32 or float64, optional
         Corners.
 
     Raises
     ------
     InputError
-        If an argument is none of these.
+        If an argument is invalid.
     """
 
     __slots__ = ()
@@ -216,19 +226,19 @@ class Octree(DynamicPartition):
 
 @final
 class LooseOctree(DynamicPartition):
-    """Cubes in cubes that are twice as wide as their places, so that a box is as deep as it is small (Ulrich 2000).
+    """Nested cubes enlarged to twice their width, so that small boxes are deep (Ulrich 2000).
 
     Parameters
     ----------
     space : (2, 3) array_like of float32 or float64
-        Corners of what the root is laid over; boxes outside are in the root.
+        Corners of the region that the root covers; boxes outside are in the root.
     low, high : (n, 3) array_like of float32 or float64, optional
         Corners.
 
     Raises
     ------
     InputError
-        If an argument is none of these.
+        If an argument is invalid.
     """
 
     __slots__ = ()
@@ -239,19 +249,19 @@ class LooseOctree(DynamicPartition):
 
 @final
 class SweepOneAxis(DynamicPartition):
-    """Boxes in the order of their ends along one axis, kept from step to step.
+    """Boxes sorted by their ends along one axis; the order is kept from step to step.
 
     Parameters
     ----------
     axis : {"x", "y", "z"}
-        Along which they lie apart most.
+        The axis along which the boxes are farthest apart.
     low, high : (n, 3) array_like of float32 or float64, optional
         Corners.
 
     Raises
     ------
     InputError
-        If an argument is none of these.
+        If an argument is invalid.
     """
 
     __slots__ = ()
@@ -262,7 +272,7 @@ class SweepOneAxis(DynamicPartition):
 
 @final
 class SweepThreeAxes(DynamicPartition):
-    """Boxes in the order of their ends along all axes, and the pairs that meet, kept from step to step.
+    """Boxes sorted by their ends along all axes; order and pairs are kept from step to step.
 
     Parameters
     ----------
@@ -272,7 +282,7 @@ class SweepThreeAxes(DynamicPartition):
     Raises
     ------
     InputError
-        If a number is not in range, or an upper corner is below a lower one.
+        If a number is out of range, or if an upper corner is below a lower one.
     """
 
     __slots__ = ()
@@ -283,17 +293,19 @@ class SweepThreeAxes(DynamicPartition):
 
 @final
 class KdTree(Partition):
-    """Planes across the axes, each box in every cell that it reaches into: for points, and what is nearest to them.
+    """Cells split by planes across the axes: for points, and for queries of nearest boxes.
+
+    Each box is in every cell that it overlaps.
 
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64
-        Corners; points where `high` is not given.
+        Corners. Without `high`, boxes are points.
 
     Raises
     ------
     InputError
-        If a number is not in range, or an upper corner is below a lower one.
+        If a number is out of range, or if an upper corner is below a lower one.
     """
 
     __slots__ = ()
@@ -304,17 +316,19 @@ class KdTree(Partition):
 
 @final
 class BspTree(Partition):
-    """Planes of the boxes' own faces, which pass between them where they can: for rooms and walls.
+    """Cells split by the planes of the boxes' own faces, between boxes if possible.
+
+    It suits rooms and walls.
 
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64
-        Corners; points where `high` is not given.
+        Corners. Without `high`, boxes are points.
 
     Raises
     ------
     InputError
-        If a number is not in range, or an upper corner is below a lower one.
+        If a number is out of range, or if an upper corner is below a lower one.
     """
 
     __slots__ = ()
@@ -326,6 +340,6 @@ class BspTree(Partition):
 def _corners(space: ArrayLike) -> NDArray[np.float64]:
     corners = plain_points(space, "space")
     if corners.shape != (2, 3):
-        message = f"shape {corners.shape}, where (2, 3) is expected: a lower and an upper corner"
+        message = f"has shape {corners.shape}; (2, 3) is expected: a lower and an upper corner"
         raise InputError(message, kind="shape", what="space")
     return corners.copy()

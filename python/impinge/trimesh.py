@@ -1,13 +1,16 @@
-"""A stand-in for ``trimesh.collision``: ``from impinge.trimesh import CollisionManager``, and nothing else changes.
+"""A drop-in replacement for ``trimesh.collision``: import ``CollisionManager`` from here instead.
 
-Method names, arguments and returns are trimesh's, and so is what a mesh means here: one that trimesh finds convex is
-a solid, which meets what lies inside it, any other a surface. Answers are impinge's: exact, every pair of faces
-once, none dropped at a cap. Transforms keep double precision.
+Method names, arguments and return values are those of trimesh. A mesh that trimesh finds convex is
+a solid, which intersects anything inside it; any other mesh is a surface. Answers are those of
+impinge: they are exact, and every pair of faces is reported once, without a limit on contacts.
+Transforms keep double precision.
 
-What differs: normal and depth of a contact are those of the two convex bodies, the shortest way to part them, or of the
-region in which two surfaces go through each other, and not of two triangles. A body inside a convex one, their
-surfaces apart, makes one contact without faces (-1). Distances of convex bodies that are in each other are minus their
-depth; where one of two bodies that collide is not convex, -1, and where neither is, 0.
+Differences from trimesh: the normal and depth of a contact are those of the two convex bodies, the
+shortest way to separate them, or those of the region in which two surfaces penetrate each other.
+They are not those of two triangles. If a body lies inside a convex one and their surfaces do not
+intersect, there is one contact without faces (-1). The distance of two overlapping convex bodies is
+minus their depth. The distance of two other colliding bodies is -1 if one of them is convex, and 0
+if neither is.
 
 Examples
 --------
@@ -39,22 +42,23 @@ from impinge.fcl._manager import nearest_first
 __all__ = ["CollisionManager", "ContactData", "DistanceData", "mesh_to_BVH", "mesh_to_convex", "scene_to_collision"]
 
 _EXTERNAL = "__external"
-"""The name that a contact gives to a mesh that is in no manager."""
+"""Name of a mesh in contact data that is in no manager."""
 
 
 class ContactData:
-    """Two faces that meet.
+    """Two faces in contact.
 
     Attributes
     ----------
     names : set of str
-        The names of the two objects; ``"__external"`` for one that is in no manager.
+        Names of the two objects; ``"__external"`` for an object that is in no manager.
     point : (3,) float64 array
-        A point of the world that both have in common, rounded.
+        A point of both faces in the world frame, rounded.
     normal : (3,) float64 array
-        Of length 1, in the world: from the mesh of this manager to the other one, or from the one that was added first.
+        Unit vector in the world frame, from the mesh of this manager to the other one, or from the
+        mesh that was added first to the other one.
     depth : float
-        How deep they are in each other along the normal; at least zero.
+        Penetration depth along the normal; at least zero.
     """
 
     def __init__(self, names: tuple[Hashable, Hashable], contact: fcl.Contact) -> None:
@@ -63,19 +67,19 @@ class ContactData:
         self.point, self.normal, self.depth = contact.pos, contact.normal, contact.penetration_depth
 
     def index(self, name: Hashable) -> int:
-        """Return the face of the object of this name; -1 where one object is inside the other."""
+        """Return the face of the object with this name; -1 if one object is inside the other."""
         return self._faces[name]
 
 
 class DistanceData:
-    """How far apart two objects are, and where.
+    """Distance of two objects, and their nearest points.
 
     Attributes
     ----------
     names : set of str
-        The names of the two objects; ``"__external"`` for one that is in no manager.
+        Names of the two objects; ``"__external"`` for an object that is in no manager.
     distance : float
-        In world units; negative where they are in each other.
+        In world units; negative if the objects penetrate each other.
     """
 
     def __init__(self, names: tuple[Hashable, Hashable], result: fcl.DistanceResult) -> None:
@@ -85,11 +89,11 @@ class DistanceData:
         self._points = dict(zip(names, result.nearest_points, strict=True))
 
     def index(self, name: Hashable) -> int:
-        """Return the nearest face of the object of this name; -1 of a convex one."""
+        """Return the nearest face of the object with this name; -1 if it is convex."""
         return self._faces[name]
 
     def point(self, name: Hashable) -> NDArray[np.float64]:
-        """Return the nearest point, (3,), of the object of this name, in the world."""
+        """Return the nearest point, (3,), of the object with this name, in the world frame."""
         return self._points[name]
 
 
@@ -99,11 +103,11 @@ _Distance = float | tuple[Any, ...]
 
 
 class CollisionManager:
-    """Named meshes that are asked about together, as by trimesh's class of this name.
+    """Named meshes that are queried together, as with trimesh's class of this name.
 
-    Every question returns whether there is a collision and, in a tuple with that and in this order, what else is asked
-    for: with `return_names` a set of the names of all that collide, with `return_data` a list of a `ContactData` for
-    every contact.
+    Every collision query returns whether there is a collision. If `return_names` or `return_data`
+    is set, it returns a tuple of this, the set of the names of all colliding objects, and a list of
+    `ContactData` for every contact, in this order.
     """
 
     def __init__(self) -> None:
@@ -112,14 +116,14 @@ class CollisionManager:
     def add_object(
         self, name: Hashable, mesh: HasTriangles | Mesh, transform: ArrayLike | None = None
     ) -> fcl.CollisionObject:
-        """Add a mesh, or replace that of the same name.
+        """Add a mesh, or replace the mesh with the same name.
 
         Parameters
         ----------
         name : str
-            Its name.
+            Name of the object.
         mesh : trimesh.Trimesh or Mesh
-            A mesh that says that it is convex is a solid.
+            A mesh whose ``is_convex`` is true is a solid.
         transform : (4, 4) array_like, optional
             World from mesh.
 
@@ -132,12 +136,12 @@ class CollisionManager:
         return made
 
     def remove_object(self, name: Hashable) -> None:
-        """Remove a mesh; a name that is not there is a `ValueError`."""
-        del self._objects[self._known(name)]
+        """Remove a mesh; raises a `ValueError` if there is no mesh with this name."""
+        del self._objects[self._check_name(name)]
 
     def set_transform(self, name: Hashable, transform: ArrayLike) -> None:
-        """Place a mesh anew; a name that is not there is a `ValueError`."""
-        self._objects[self._known(name)].setTransform(_transform(transform))
+        """Set the transform of a mesh; raises a `ValueError` if there is no mesh with this name."""
+        self._objects[self._check_name(name)].setTransform(_transform(transform))
 
     def in_collision_single(
         self,
@@ -146,22 +150,31 @@ class CollisionManager:
         return_names: bool = False,
         return_data: bool = False,
     ) -> _Answer:
-        """Ask whether a mesh collides with any of the manager; names are those of the latter."""
+        """Report whether a mesh collides with any mesh of the manager.
+
+        Names are those of the meshes in the manager.
+        """
         other = (_EXTERNAL, _object(mesh, transform))
         pairs = [((name, own), other) for name, own in self._objects.items()]
-        return _answer(pairs, lambda names: names[0], return_names, return_data)
+        return _collisions(pairs, lambda names: names[0], return_names, return_data)
 
     def in_collision_internal(self, return_names: bool = False, return_data: bool = False) -> _Answer:
-        """Ask whether any two meshes of the manager collide; names are pairs, each in alphabetical order."""
+        """Report whether any two meshes of the manager collide.
+
+        Names are pairs, each in alphabetical order.
+        """
         pairs = combinations(self._objects.items(), 2)
-        return _answer(pairs, lambda names: tuple(sorted(names)), return_names, return_data)
+        return _collisions(pairs, lambda names: tuple(sorted(names)), return_names, return_data)
 
     def in_collision_other(
         self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
     ) -> _Answer:
-        """Ask whether any collides with one of another manager; names are pairs, those of this one first."""
+        """Report whether any mesh collides with a mesh of another manager.
+
+        Names are pairs, each with the name in this manager first.
+        """
         pairs = product(self._objects.items(), other_manager._objects.items())
-        return _answer(pairs, lambda names: names, return_names, return_data)
+        return _collisions(pairs, lambda names: names, return_names, return_data)
 
     def min_distance_single(
         self,
@@ -170,39 +183,46 @@ class CollisionManager:
         return_name: bool = False,
         return_data: bool = False,
     ) -> _Distance:
-        """Return the least distance of a mesh from those of the manager; the name is that of the nearest of these."""
+        """Return the minimum distance of a mesh from the meshes of the manager.
+
+        The name is that of the nearest mesh in the manager.
+        """
         other = (_EXTERNAL, _object(mesh, transform))
         pairs = [((name, own), other) for name, own in self._objects.items()]
-        return _least(pairs, lambda names: names[0], return_name, return_data)
+        return _minimum_distance(pairs, lambda names: names[0], return_name, return_data)
 
     def min_distance_internal(
         self, name: Hashable = None, return_names: bool = False, return_data: bool = False
     ) -> _Distance:
-        """Return the least distance of any two meshes of the manager, or of one from all others.
+        """Return the minimum distance of any two meshes of the manager, or of one from all others.
 
-        The names are those of the nearest two, in alphabetical order. A name that is not there is a `ValueError`.
+        Names are those of the nearest two meshes, in alphabetical order. Raises a `ValueError` if
+        there is no mesh with the given name.
         """
         pairs = list(combinations(self._objects.items(), 2))
         if name is not None:
-            self._known(name)
+            self._check_name(name)
             pairs = [pair for pair in pairs if name in (pair[0][0], pair[1][0])]
-        return _least(pairs, lambda names: tuple(sorted(names)), return_names, return_data)
+        return _minimum_distance(pairs, lambda names: tuple(sorted(names)), return_names, return_data)
 
     def min_distance_other(
         self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
     ) -> _Distance:
-        """Return the least distance of any mesh from one of another manager; names are those of this one first."""
-        pairs = list(product(self._objects.items(), other_manager._objects.items()))
-        return _least(pairs, lambda names: names, return_names, return_data)
+        """Return the minimum distance of any mesh from any mesh of another manager.
 
-    def _known(self, name: Hashable) -> Hashable:
+        Names are those of the nearest two meshes, the name in this manager first.
+        """
+        pairs = list(product(self._objects.items(), other_manager._objects.items()))
+        return _minimum_distance(pairs, lambda names: names, return_names, return_data)
+
+    def _check_name(self, name: Hashable) -> Hashable:
         if name not in self._objects:
             raise InputError(f"{name} not in collision manager!", kind="name", what="name")
         return name
 
 
 def mesh_to_BVH(mesh: HasTriangles) -> fcl.BVHModel:  # noqa: N802
-    """Return the surface of a mesh."""
+    """Return the surface of a mesh as a model."""
     model = fcl.BVHModel()
     model.beginModel(len(mesh.faces), len(mesh.vertices))
     model.addSubModel(mesh.vertices, mesh.faces)
@@ -217,7 +237,7 @@ def mesh_to_convex(mesh: HasTriangles) -> fcl.Convex:
 
 
 def scene_to_collision(scene: Any) -> tuple[CollisionManager, dict[Hashable, fcl.CollisionObject]]:
-    """Return a manager with the nodes of a ``trimesh.Scene``, and its objects by node."""
+    """Return a manager with the nodes of a ``trimesh.Scene``, and a dict of its objects by node."""
     manager = CollisionManager()
     objects = {}
     for node in scene.graph.nodes_geometry:
@@ -227,7 +247,7 @@ def scene_to_collision(scene: Any) -> tuple[CollisionManager, dict[Hashable, fcl
 
 
 class _Geometry(fcl.CollisionGeometry):
-    """A mesh as a geometry, without a copy."""
+    """A mesh as a geometry, without copying it."""
 
     def __init__(self, body: _bodies.Body) -> None:
         super().__init__()
@@ -247,13 +267,16 @@ def _transform(transform: ArrayLike) -> fcl.Transform:
     return fcl.Transform(matrix[:3, :3], matrix[:3, 3])
 
 
-def _answer(
+def _collisions(
     pairs: Iterable[tuple[_Named, _Named]],
-    called: Callable[[tuple[Any, Any]], object],
+    convert_names: Callable[[tuple[Any, Any]], object],
     return_names: bool,
     return_data: bool,
 ) -> _Answer:
-    """Whether any of the pairs collides and, where asked for, what `called` makes of their names and the contacts."""
+    """Return whether any of the pairs collides, and, if requested, names and contacts.
+
+    `convert_names` converts the names of a colliding pair to the form that the caller returns.
+    """
     names: set[object] = set()
     data: list[ContactData] = []
     hit = False
@@ -270,34 +293,38 @@ def _answer(
             fcl.collide(a, b, fcl.CollisionRequest(np.iinfo(np.int64).max, enable_contact=True), result)
             data += [ContactData((name_a, name_b), contact) for contact in result.contacts]
         hit = True
-        names.add(called((name_a, name_b)))
+        names.add(convert_names((name_a, name_b)))
         if not (return_names or return_data):
             break
     chosen = [hit, *([names] if return_names else []), *([data] if return_data else [])]
     return hit if len(chosen) == 1 else tuple(chosen)
 
 
-def _least(
+def _minimum_distance(
     pairs: Sequence[tuple[_Named, _Named]],
-    called: Callable[[tuple[Any, Any]], object],
+    convert_names: Callable[[tuple[Any, Any]], object],
     return_names: bool,
     return_data: bool,
 ) -> _Distance:
-    """Return the least distance of the pairs, infinite of none, and what `called` makes of their names and the data."""
+    """Return the minimum distance of the pairs, and, if requested, names and data.
+
+    The distance is infinite if there are no pairs. `convert_names` converts the names of the
+    nearest pair to the form that the caller returns.
+    """
     request = fcl.DistanceRequest(enable_nearest_points=return_data, enable_signed_distance=True)
     best: tuple[tuple[Hashable, Hashable] | None, fcl.DistanceResult] = (None, fcl.DistanceResult())
     named = {(id(a), id(b)): (name_a, name_b) for (name_a, a), (name_b, b) in pairs}
 
-    def measure(o1: fcl.CollisionObject, o2: fcl.CollisionObject, least: float) -> tuple[bool, float]:
+    def measure(o1: fcl.CollisionObject, o2: fcl.CollisionObject, minimum: float) -> tuple[bool, float]:
         nonlocal best
         result = fcl.DistanceResult()
-        if fcl.distance(o1, o2, request, result) < least:
+        if fcl.distance(o1, o2, request, result) < minimum:
             best = named[id(o1), id(o2)], result
         return False, best[1].min_distance
 
     nearest_first([(a, b) for (_, a), (_, b) in pairs], measure)
     names, result = best
     data = None if names is None else DistanceData(names, result)
-    chosen = [called(names) if names else None] if return_names else []
+    chosen = [convert_names(names) if names else None] if return_names else []
     chosen += [data] if return_data else []
     return (result.min_distance, *chosen) if chosen else result.min_distance

@@ -1,6 +1,6 @@
-"""Makes `shapes` and `oracles` importable, whichever way pytest imports tests.
+"""Makes the helper modules importable, whichever way pytest imports tests.
 
-It keeps hypothesis's findings out of the tree, too.
+Also keeps the database of hypothesis out of the repository.
 """
 
 import sys

@@ -1,4 +1,4 @@
-"""Answers that share no code with the library: rational arithmetic, and brute force over all faces in NumPy."""
+"""Answers that share no code with the library: rational arithmetic, and brute force in NumPy."""
 
 from fractions import Fraction
 from itertools import combinations
@@ -7,16 +7,16 @@ import numpy as np
 
 
 def oracle_pairs(a, b, pose_a=None, pose_b=None):
-    """Every meeting pair of faces, in rational arithmetic.
+    """Returns every intersecting pair of faces, in rational arithmetic.
 
-    Two triangles meet just where the origin lies in the hull of the nine differences of their corners, and then it lies
-    in that of at most four of these that are independent (Caratheodory).
+    Two triangles intersect if and only if the hull of the nine differences of their corners contains the
+    origin. Then the hull of at most four affinely independent differences contains it (Caratheodory).
     """
     (a, faces_a), (b, faces_b) = _exact(a, pose_a), _exact(b, pose_b)
     pairs = []
     for i, face_a in enumerate(faces_a):
         for j, face_b in enumerate(faces_b):
-            if _meet([a[v] for v in face_a], [b[v] for v in face_b]):
+            if _intersect([a[v] for v in face_a], [b[v] for v in face_b]):
                 pairs.append((i, j))
     return np.array(pairs, np.uint32).reshape(-1, 2)
 
@@ -30,7 +30,7 @@ def _exact(mesh, pose):
     ], faces
 
 
-def _meet(p, q):
+def _intersect(p, q):
     if any(
         max(x[k] for x in p) < min(x[k] for x in q) or min(x[k] for x in p) > max(x[k] for x in q) for k in range(3)
     ):
@@ -40,7 +40,10 @@ def _meet(p, q):
 
 
 def _holds_origin(points):
-    """Whether weights >= 0 with sum 1 take independent points to the origin; False for dependent ones."""
+    """Reports whether the hull of affinely independent points contains the origin.
+
+    False if the points are dependent.
+    """
     size = len(points)
     rows = [[point[k] for point in points] + [Fraction(0)] for k in range(3)] + [[Fraction(1)] * size + [Fraction(1)]]
     for column in range(size):
@@ -56,7 +59,7 @@ def _holds_origin(points):
 
 
 def surface_distances(mesh, points):
-    """(n, m): how far each of n points is from each of m faces."""
+    """Returns the distances (n, m) of n points from m faces."""
     vertices, faces = mesh
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     normal = np.cross(b - a, c - a)
@@ -72,7 +75,7 @@ def surface_distances(mesh, points):
 
 
 def mesh_distance(a, b):
-    """The distance of two surfaces that do not meet: a corner and a face, or two edges, are nearest."""
+    """Returns the distance of two disjoint surfaces: of a corner and a face, or of two edges."""
     (vertices_a, faces_a), (vertices_b, faces_b) = a, b
     edges_a, edges_b = (faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2) for faces in (faces_a, faces_b))
     best = min(surface_distances(a, vertices_b).min(), surface_distances(b, vertices_a).min())
@@ -89,7 +92,7 @@ def mesh_distance(a, b):
 
 
 def winding_numbers(mesh, points):
-    """(n,): the solid angles of all faces as seen from each point, added up (Van Oosterom and Strackee 1983)."""
+    """Returns the winding numbers (n,), sums of solid angles (Van Oosterom and Strackee 1983)."""
     vertices, faces = mesh
     a, b, c = (vertices[faces[:, k]] - points[:, None] for k in range(3))
     la, lb, lc = (np.linalg.norm(x, axis=-1) for x in (a, b, c))

@@ -6,14 +6,14 @@ TRIANGLE = (np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]])
 
 
 def cube(low=-0.5, high=0.5):
-    """(8, 3) vertices and (12, 3) faces."""
+    """Returns (8, 3) vertices and (12, 3) faces of a cube."""
     vertices = np.array([[x, y, z] for x in (low, high) for y in (low, high) for z in (low, high)], float)
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     return vertices, np.array([face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))])
 
 
 def torus(along=40, around=20, radius=1.0, tube=0.35):
-    """A closed torus about the z axis."""
+    """Returns vertices and faces of a closed torus about the z axis."""
     u, v = np.meshgrid(np.arange(along), np.arange(around), indexing="ij")
     a, b = 2 * np.pi * u / along, 2 * np.pi * v / around
     reach = radius + tube * np.cos(b)
@@ -24,7 +24,7 @@ def torus(along=40, around=20, radius=1.0, tube=0.35):
 
 
 def random_poses(count, reach, seed):
-    """(count, 4, 4) rigid poses with translations within `reach`."""
+    """Returns rigid poses (count, 4, 4) with translations within `reach` along each axis."""
     rng = np.random.default_rng(seed)
     quaternions = rng.normal(size=(count, 4))
     quaternions /= np.linalg.norm(quaternions, axis=1, keepdims=True)

@@ -1,4 +1,4 @@
-"""The answers themselves: the corpus of cases, and rational arithmetic."""
+"""Answers against the corpus of known cases, and against rational arithmetic."""
 
 import tomllib
 from pathlib import Path
@@ -24,7 +24,7 @@ def _generated(generator):
 
 
 def _read():
-    """Cases of inline meshes, and of generated ones that have but one surface whatever the numbers of the faces."""
+    """Yields cases with inline meshes, and with generated ones if face numbers do not matter."""
     for path in sorted(CASES.glob("*.toml")):
         with path.open("rb") as file:
             corpus = tomllib.load(file)
@@ -55,12 +55,12 @@ def _pose(entry):
 ANSWERED = list(_read())
 
 
-def test_most_of_the_corpus_is_asked_here():
+def test_most_cases_of_the_corpus_are_read():
     assert len(ANSWERED) >= 60
 
 
 @pytest.mark.parametrize(("case", "entries"), ANSWERED)
-def test_case(case, entries):
+def test_pairs_equal_the_known_answers_of_the_corpus(case, entries):
     a, b = map(_mesh, entries)
     poses = [_pose(case.get("pose_a")), _pose(case.get("pose_b"))]
     pairs = impinge.intersecting_pairs(a, b, *poses)
@@ -76,7 +76,7 @@ def test_case(case, entries):
 
 
 def _read_distances():
-    """Distances of inline meshes and cuboids: every vertex is as in the corpus, so every number is."""
+    """Yields distances of inline meshes and cuboids, whose vertices equal those of the corpus."""
     with (CASES / "distances.toml").open("rb") as file:
         corpus = tomllib.load(file)
     for case in corpus["distance"]:
@@ -88,12 +88,12 @@ def _read_distances():
 DISTANCES = list(_read_distances())
 
 
-def test_most_of_the_distances_are_asked_here():
+def test_most_distances_of_the_corpus_are_read():
     assert len(DISTANCES) >= 18
 
 
 @pytest.mark.parametrize(("case", "entries"), DISTANCES)
-def test_distance(case, entries):
+def test_distance_bounds_contain_the_known_distances(case, entries):
     a, b = map(_mesh, entries)
     poses = [_pose(case.get("pose_a")), _pose(case.get("pose_b"))]
     far, tolerance = impinge.distance(a, b, *poses), case.get("tolerance", 0)
@@ -116,7 +116,7 @@ entry = st.sampled_from([-1.0, -0.5, 0.0, 0.1, 0.5, 1.0, 2.0])
 
 @settings(max_examples=25)
 @given(a=triangles, b=triangles, linear=st.tuples(*[entry] * 9), translation=st.tuples(*[entry] * 3))
-def test_small_meshes_against_rational_arithmetic(a, b, linear, translation):
+def test_pairs_of_small_meshes_equal_rational_arithmetic(a, b, linear, translation):
     meshes = [(np.array(m).reshape(-1, 3), np.arange(3 * len(m)).reshape(-1, 3)) for m in (a, b)]
     pose = np.eye(4)
     pose[:3, :3] = np.reshape(linear, (3, 3))
@@ -132,14 +132,14 @@ def test_small_meshes_against_rational_arithmetic(a, b, linear, translation):
         assert np.array_equal(pairs, oracle_pairs(*meshes, pose_b=world_from_b))
 
 
-def test_the_oracle_knows_touching_from_missing():
+def test_the_oracle_distinguishes_touching_from_missing():
     here = (np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
     for offset, meets in ((1.0, True), (np.nextafter(1.0, 2.0), False)):
         pose = impinge.pose([offset, 0, 0])
         assert (len(oracle_pairs(here, here, pose_b=pose)) > 0) == meets
 
 
-def test_points_in_which_surfaces_only_touch_are_rows_of_their_own():
+def test_isolated_contact_points_are_curves_of_one_row():
     corner = [0.0146, 0.175, 0]
     a = impinge.Mesh([[8.0606e-03, 0.175, 8.0606e-03], corner, [0.0154, 0.175, 0.0154]], [[0, 1, 2]])
     b = impinge.Mesh([corner, [0.024625, 0.16399, 0], [0.0099918, 0.16476, 0]], [[0, 1, 2]])
@@ -157,6 +157,6 @@ def test_curves_are_closed_and_lie_on_both_surfaces():
         assert curve.shape[1] == 3
         assert np.array_equal(curve[0], curve[-1])
         local = (curve - pose[:3, 3]) @ pose[:3, :3]
-        for points in (curve, local):  # within the height of the facets of a tube of radius 0.35
+        for points in (curve, local):  # facets deviate from a tube of radius 0.35
             tube = np.hypot(np.hypot(points[:, 0], points[:, 1]) - 1.0, points[:, 2])
             assert ((tube > 0.335) & (tube < 0.356)).all()

@@ -1,12 +1,12 @@
-"""Arrays of any type, shape, layout and value: every argument that takes one reads it right, or says what is wrong."""
+"""Arrays of any type, shape, layout and value are read correctly, or raise an error."""
 
 import impinge
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from seen import state
 from shapes import cube
+from visible_state import state
 
 MESH = impinge.Mesh(*cube())
 SHAPE = impinge.Shape.box([1, 1, 1])
@@ -36,7 +36,7 @@ def inserted(poses):
 
 
 DOWN = [0.0, 0.0, -1.0]
-TAKERS = {
+READERS = {
     "closest_point": ((3,), MESH.closest_point),
     "signed_distance": ((3,), MESH.signed_distance),
     "winding_number": ((3,), MESH.winding_number),
@@ -88,7 +88,7 @@ NUMBERS = st.sampled_from(
 
 @st.composite
 def arrays(draw, core):
-    """Mostly of the shape that is wanted, mostly of numbers that are in range."""
+    """Draws arrays that mostly have the expected shape, and numbers that are mostly in range."""
     lead = draw(st.lists(st.integers(0, 3), max_size=2))
     wrong = draw(st.sampled_from([None] * 4 + [(), core[:-1], (*core, 2), (*core[:-1], 5)]))
     shape = (*lead, *(core if wrong is None else wrong))
@@ -105,7 +105,7 @@ def arrays(draw, core):
 
 
 def answer(take, values):
-    """What there is to see of an answer, or of the refusal: what is wrong, with what and where."""
+    """Returns the visible state of the answer, or the kind, argument and place of the error."""
     try:
         return state(take(values))
     except impinge.InputError as error:
@@ -114,26 +114,26 @@ def answer(take, values):
         return error.kind, error.what, error.where
 
 
-@pytest.mark.parametrize("name", TAKERS)
+@pytest.mark.parametrize("name", READERS)
 @settings(max_examples=50)
 @given(data=st.data())
-def test_every_layout_of_an_array_is_answered_alike(name, data):
-    core, take = TAKERS[name]
+def test_the_layout_of_an_array_does_not_change_the_answer(name, data):
+    core, take = READERS[name]
     values = data.draw(arrays(core))
     plain = answer(take, values)
     layout = data.draw(st.sampled_from(sorted(LAYOUTS)))
     as_floats = values.dtype in (np.float64, np.float32)
     if layout != "list":
         assert answer(take, LAYOUTS[layout](values)) == plain
-    elif as_floats and values.size:  # lists have no type, and those of nothing no shape
+    elif as_floats and values.size:  # lists have no dtype, and empty ones no shape
         assert answer(take, values.tolist()) == answer(take, values.astype(np.float64))
-    if as_floats and name not in ("refit", "refitted"):  # which keep single precision
+    if as_floats and name not in ("refit", "refitted"):  # both keep single precision
         assert answer(take, values.astype(np.float64)) == plain
-    assert as_floats or isinstance(plain, tuple) or name == "pose"  # which takes any numbers
+    assert as_floats or isinstance(plain, tuple) or name == "pose"  # pose accepts any numbers
 
 
 @given(data=st.data())
-def test_spoiled_bytes_are_no_mesh(data):
+def test_corrupt_bytes_raise_or_give_the_same_mesh(data):
     whole = MESH.to_baked()
     spoiled = bytearray(whole)
     for _ in range(data.draw(st.integers(1, 3))):
@@ -144,6 +144,6 @@ def test_spoiled_bytes_are_no_mesh(data):
         mesh = impinge.Mesh.from_baked(spoiled)
     except impinge.InputError as error:
         assert error.kind in ("truncated", "corrupt", "syntax", "unsupported-feature")
-    else:  # only what lies between sections may be spoiled unseen
+    else:  # only the padding between sections is not validated
         assert state(mesh.faces) == state(MESH.faces)
         assert np.array_equal(mesh.vertices, MESH.vertices)

@@ -1,4 +1,4 @@
-"""Arrays as they come: NASTY rows N1, N8, N9, N10, N11 and N31 at the Python door."""
+"""Array arguments of any type, layout and value: meshes, poses, and their errors."""
 
 import impinge
 import numpy as np
@@ -36,7 +36,7 @@ LAYOUTS = {
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("floats", [np.float32, np.float64])
 @pytest.mark.parametrize("integers", [np.int8, np.uint8, np.int16, np.uint16, np.int32, np.uint32, np.int64, np.uint64])
-def test_any_layout_reads_the_same(layout, floats, integers):
+def test_mesh_arrays_of_any_layout_are_accepted(layout, floats, integers):
     vertices, faces = cube()
     vertices = (vertices * 0.3).astype(floats)
     mesh = impinge.Mesh(LAYOUTS[layout](vertices), LAYOUTS[layout](faces.astype(integers)))
@@ -47,7 +47,7 @@ def test_any_layout_reads_the_same(layout, floats, integers):
 
 @pytest.mark.parametrize("layout", [name for name in LAYOUTS if name != "strided"])
 @pytest.mark.parametrize("floats", [np.float32, np.float64])
-def test_poses_of_any_layout_read_the_same(layout, floats):
+def test_poses_of_any_layout_are_accepted(layout, floats):
     triangle = impinge.Mesh(*TRIANGLE)
     pose = np.eye(4, dtype=floats)
     pose[:3, 3] = [1, 0, 0]
@@ -58,7 +58,7 @@ def test_poses_of_any_layout_read_the_same(layout, floats):
     assert impinge.intersects(triangle, triangle, np.broadcast_to(pose, (5, 4, 4))).tolist() == [False] * 5
 
 
-def test_the_arrays_are_copied_and_shown_read_only():
+def test_arrays_are_copied_and_returned_read_only():
     vertices, faces = cube()
     mesh = impinge.Mesh(vertices, faces)
     vertices += 100
@@ -70,7 +70,7 @@ def test_the_arrays_are_copied_and_shown_read_only():
     assert mesh.vertices is mesh.vertices
 
 
-def test_meshes_of_other_libraries():
+def test_meshes_of_other_libraries_are_accepted():
     class Foreign:
         vertices, faces = cube()
 
@@ -81,7 +81,7 @@ def test_meshes_of_other_libraries():
     assert (mesh.vertex_count, mesh.face_count) == (len(sphere.vertices), len(sphere.faces))
 
 
-def test_empty_meshes_are_legal_and_meet_nothing():
+def test_empty_meshes_are_valid_and_intersect_nothing():
     for vertices, faces in [([], []), (np.zeros((0, 3)), np.zeros((0, 3), int)), (cube()[0], [])]:
         empty = impinge.Mesh(vertices, faces)
         assert empty.faces.shape == (0, 3)
@@ -90,7 +90,7 @@ def test_empty_meshes_are_legal_and_meet_nothing():
         assert impinge.intersection_curves(empty, empty) == []
 
 
-def test_what_is_odd_about_a_mesh_is_counted():
+def test_health_counts_defects():
     vertices, faces = cube()
     sound = impinge.Mesh(vertices, faces).health()
     assert (sound.components, sound.open_edges, sound.duplicate_vertices, sound.degenerate_faces) == (1, 0, 0, 0)
@@ -103,7 +103,7 @@ def test_what_is_odd_about_a_mesh_is_counted():
     assert broken.open_edges > 0
 
 
-def test_the_hierarchy_is_measured():
+def test_tree_statistics_are_plausible():
     mesh = impinge.Mesh(*torus())
     tree = mesh.tree_statistics()
     assert 1600 / 8 <= tree.leaves <= 1600
@@ -150,7 +150,7 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("kind", "what", "where", "vertices", "faces"), WRONG)
-def test_what_is_wrong_is_named(kind, what, where, vertices, faces):
+def test_errors_name_the_invalid_array(kind, what, where, vertices, faces):
     with pytest.raises(impinge.InputError) as caught:
         impinge.Mesh(vertices, faces)
     assert isinstance(caught.value, ValueError)
@@ -158,7 +158,7 @@ def test_what_is_wrong_is_named(kind, what, where, vertices, faces):
     assert str(caught.value).startswith(what)
 
 
-def test_only_meshes_are_asked_about():
+def test_arguments_that_are_not_meshes_raise_an_error():
     mesh = impinge.Mesh(*cube())
     for ask in (impinge.intersects, impinge.intersecting_pairs, impinge.intersection_curves):
         for pair, what in (((cube(), mesh), "a"), ((mesh, "mesh"), "b"), ((mesh, None), "b")):
@@ -173,8 +173,8 @@ def test_only_meshes_are_asked_about():
     shape=st.lists(st.integers(0, 5), max_size=4).map(tuple),
     role=st.sampled_from(["vertices", "faces", "pose_a"]),
 )
-def test_no_array_crashes(data, dtype, shape, role):
-    """Whatever the array, there is a mesh or an `InputError` that names it: never another exception."""
+def test_any_array_is_accepted_or_raises_an_input_error(data, dtype, shape, role):
+    """Any array gives a mesh, or an `InputError` that names it, never another exception."""
     size = int(np.prod(shape))
     numbers = data.draw(st.lists(st.integers(-3, 6), min_size=size, max_size=size))
     array = np.array(numbers).reshape(shape).astype(dtype)
@@ -194,5 +194,5 @@ def test_no_array_crashes(data, dtype, shape, role):
     except impinge.InputError as error:
         assert error.what == role
     except TypeError:
-        assert array.ndim == 0  # the length of a scalar, asked by the test itself
+        assert array.ndim == 0  # raised by the test's own `len(array)`
         assert role == "vertices"

@@ -14,7 +14,7 @@ CONVERSIONS = [fit.AxisBox.to_min_max, fit.AxisBox.to_min_widths, fit.AxisBox.to
 
 
 def exact(box):
-    """The corners of the box that its numbers define, as fractions."""
+    """Returns the exact corners of a box, as fractions."""
     first, second = ([Fraction(x) for x in row.tolist()] for row in box.__reduce__()[1])
     if isinstance(box, fit.Aabb):
         return first, second
@@ -24,12 +24,12 @@ def exact(box):
     return tuple(zip(*[(x - e, x + e) for x, e in ends], strict=True))
 
 
-def holds(outer, inner):
+def encloses(outer, inner):
     (low, high), (own_low, own_high) = exact(outer), exact(inner)
     return all(low[k] <= own_low[k] and own_high[k] <= high[k] for k in range(3))
 
 
-def meet(a, b):
+def overlap(a, b):
     (low_a, high_a), (low_b, high_b) = exact(a), exact(b)
     return all(low_a[k] <= high_b[k] and low_b[k] <= high_a[k] for k in range(3))
 
@@ -47,8 +47,8 @@ def test_conversions_never_shrink_and_are_tight():
             for back in CONVERSIONS:
                 made = there(box)
                 again = back(made)
-                assert holds(made, box)
-                assert holds(again, made)
+                assert encloses(made, box)
+                assert encloses(again, made)
                 (low, high), (least, most) = exact(again), exact(box)
                 size = max(abs(x) for x in (*least, *most))
                 assert all(abs(x - y) <= size / 2**50 for x, y in zip((*low, *high), (*least, *most), strict=True))
@@ -56,29 +56,29 @@ def test_conversions_never_shrink_and_are_tight():
     assert rounded > 300
 
 
-def test_tests_agree_with_fractions():
+def test_box_predicates_agree_with_rational_arithmetic():
     hits, close = 0, 0
     boxes = random_boxes(60, 2)
     for form, convert in zip(FORMS, CONVERSIONS, strict=True):
         made = [convert(box) for box in boxes]
         for a in made:
             for b in made:
-                true, said = meet(a, b), a.overlaps(b)
+                true, said = overlap(a, b), a.overlaps(b)
                 hits += true
                 close += said and not true
                 assert said or not true
                 assert said == true or form is fit.CenterRadius
-                assert holds(a, b) or not a.encloses(b)
-                assert form is not fit.Aabb or a.encloses(b) == holds(a, b)
+                assert encloses(a, b) or not a.encloses(b)
+                assert form is not fit.Aabb or a.encloses(b) == encloses(a, b)
                 merged = a.merged(b)
                 assert type(merged) is form
-                assert holds(merged, a)
-                assert holds(merged, b)
+                assert encloses(merged, a)
+                assert encloses(merged, b)
     assert 600 < hits < 9000
     assert close < 100
 
 
-def test_points_and_images():
+def test_boxes_contain_their_points_and_the_images_of_their_corners():
     rng = np.random.default_rng(3)
     for box in random_boxes(40, 4):
         low, high = box.low, box.high
@@ -99,7 +99,7 @@ def test_points_and_images():
 
 
 @pytest.mark.parametrize("bits", [8, 16])
-def test_packed_boxes_hold_what_they_are_made_of(bits):
+def test_packed_boxes_enclose_the_original_box(bits):
     nbytes, most, hits = {8: 16, 16: 20}[bits], 2**bits, 0
     boxes = random_boxes(80, 5)
     for convert in CONVERSIONS[1:]:
@@ -107,7 +107,7 @@ def test_packed_boxes_hold_what_they_are_made_of(bits):
         for box, small in zip(boxes, packed, strict=True):
             loose = small.unpacked()
             assert small.nbytes == nbytes
-            assert holds(loose, convert(box))
+            assert encloses(loose, convert(box))
             assert small.volume == loose.volume
             extent, size = max(box.high - box.low), np.abs([box.low, box.high]).max()
             grown = max(exact(loose)[1][k] - exact(loose)[0][k] - Fraction(box.high[k] - box.low[k]) for k in range(3))
@@ -119,7 +119,7 @@ def test_packed_boxes_hold_what_they_are_made_of(bits):
     assert 200 < hits < 12_000
 
 
-def test_a_batch_is_asked_as_one_by_one():
+def test_a_batch_finds_the_same_boxes_as_single_tests():
     rng = np.random.default_rng(6)
     low = rng.integers(0, 40, (1003, 3)).astype(np.float32)
     batch = fit.AabbBatch(low, low + 4)
@@ -134,12 +134,12 @@ def test_a_batch_is_asked_as_one_by_one():
         found += near.sum()
     assert 20 < found < 2000
     assert fit.AabbBatch(low).overlapping(fit.Aabb([-1, -1, -1], [50, 50, 50])).tolist() == list(range(1003))
-    # What is no single is rounded outward: never missed.
+    # Corners that float32 cannot represent are rounded outward, so no overlap is missed.
     assert fit.AabbBatch([[0.1] * 3]).overlapping(fit.Aabb([0.1] * 3, [0.1] * 3)).tolist() == [0]
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_boxes_do_not_change_and_can_be_kept(form):
+def test_boxes_are_immutable_and_picklable(form):
     box = form([0.1, 0.2, 0.3], [0.5, 0.6, 0.7])
     again = pickle.loads(pickle.dumps(box))
     assert exact(again) == exact(box)
@@ -151,7 +151,7 @@ def test_boxes_do_not_change_and_can_be_kept(form):
         box.volume = 3
 
 
-def test_sizes():
+def test_volumes_and_areas_of_boxes():
     assert fit.Aabb([1, 1, 1], [3, 4, 5]).volume == fit.MinWidths([0, 0, 0], [2, 3, 4]).volume == 24
     assert fit.CenterRadius([9, 9, 9], [1, 1.5, 2]).surface_area == 2 * (6 + 12 + 8)
     points = np.random.default_rng(7).normal(size=(50, 3))
@@ -179,13 +179,13 @@ def test_sizes():
         ("type", "box", (), lambda: fit.AabbBatch([[0, 0, 0]]).overlapping([0, 0, 0])),
     ],
 )
-def test_what_is_wrong_is_named(kind, what, where, make):
+def test_errors_name_the_invalid_argument(kind, what, where, make):
     with pytest.raises(impinge.InputError) as caught:
         make()
     assert (caught.value.kind, caught.value.what, caught.value.where) == (kind, what, where)
 
 
-def test_packed_boxes_of_two_forms_are_not_compared():
+def test_packed_boxes_of_two_forms_raise_an_error():
     box = fit.Aabb([0, 0, 0], [1, 1, 1])
     with pytest.raises(impinge.InputError, match="PackedMinWidths"):
         box.to_min_widths().packed().overlaps(box.to_center_radius().packed())

@@ -38,7 +38,7 @@ def _long_call():
     return impinge.intersecting_pairs(TORUS, TORUS, random_poses(200_000, 1.0, 1), limit=1)
 
 
-def test_progress_is_one_line_that_goes_away(capsys):
+def test_progress_is_one_line_that_is_cleared(capsys):
     poses = random_poses(60_000, 1.0, 1)
     scene = impinge.Scene({"a": TORUS, "b": TORUS})
     for ask in (
@@ -55,11 +55,11 @@ def test_progress_is_one_line_that_goes_away(capsys):
         assert shown[-2].strip() == ""
         assert len(err) > 0, "a call of a second and no line"
         assert all(text.startswith("impinge: ") and " of " in text for text in shown[1:-2])
-    impinge.intersects(CUBE, CUBE, poses[:3], progress=True)  # too short to speak of
+    impinge.intersects(CUBE, CUBE, poses[:3], progress=True)  # too short for a progress line
     assert capsys.readouterr().err == ""
 
 
-def test_a_call_whose_line_cannot_be_written_ends(monkeypatch):
+def test_a_call_ends_if_its_progress_line_cannot_be_written(monkeypatch):
     class Closed:
         def write(self, text):
             raise OSError("closed")
@@ -73,14 +73,14 @@ def test_a_call_whose_line_cannot_be_written_ends(monkeypatch):
 
 
 @pytest.fixture
-def python_hears_ctrl_c():
-    """Also where whoever started the tests had them ignore it, as shells do for what runs in the background."""
+def ctrl_c_raises_keyboard_interrupt():
+    """Sets Python's handler, because shells make background processes ignore the signal."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
 
 
-@pytest.mark.usefixtures("python_hears_ctrl_c")
+@pytest.mark.usefixtures("ctrl_c_raises_keyboard_interrupt")
 def test_ctrl_c_ends_a_long_call_within_a_fraction_of_a_second():
     sent = []
 
@@ -94,11 +94,11 @@ def test_ctrl_c_ends_a_long_call_within_a_fraction_of_a_second():
         _long_call()
     assert time.perf_counter() - sent[0] < 0.5
     timer.join()
-    assert impinge.intersects(TORUS, TORUS)  # and the next call is none the worse
+    assert impinge.intersects(TORUS, TORUS)  # the next call works
 
 
 def _round_sheet(n, radius):
-    """A sphere without its poles, of 4 n² faces."""
+    """Returns a sphere without its poles, with 4 n² faces."""
     polar, around = np.meshgrid(
         np.linspace(0.1, np.pi - 0.1, n + 1), np.linspace(0, 2 * np.pi, 2 * n + 1), indexing="ij"
     )
@@ -109,14 +109,14 @@ def _round_sheet(n, radius):
     return impinge.Mesh(vertices, np.vstack([np.c_[first, below, below + 1], np.c_[first, below + 1, first + 1]]))
 
 
-def _again_and_again(ask, a, b):
+def _repeat(ask, a, b):
     for _ in range(10_000):
         ask(a, b)
 
 
-@pytest.mark.usefixtures("python_hears_ctrl_c")
+@pytest.mark.usefixtures("ctrl_c_raises_keyboard_interrupt")
 @pytest.mark.parametrize("threads", [1, 2])
-def test_ctrl_c_ends_a_question_about_one_pose(threads):
+def test_ctrl_c_ends_a_query_about_one_pose(threads):
     inner, outer = _round_sheet(300, 1.0), _round_sheet(300, 1.1)
     sent = []
 
@@ -124,13 +124,13 @@ def test_ctrl_c_ends_a_question_about_one_pose(threads):
         sent.append(time.perf_counter())
         signal.raise_signal(signal.SIGINT)
 
-    # Every face is as near as any other.
+    # All faces are equally near, so the search is slow.
     with impinge.threads(threads):
         for ask in (impinge.distance, lambda a, b: impinge.within(a, b, 0.0995)):
             timer = threading.Timer(0.01, interrupt)
             timer.start()
             with pytest.raises(KeyboardInterrupt):
-                _again_and_again(ask, inner, outer)
+                _repeat(ask, inner, outer)
             assert time.perf_counter() - sent[-1] < 0.25
             timer.join()
         assert not impinge.intersects(inner, outer)
@@ -156,7 +156,7 @@ def test_other_threads_run_during_a_call():
     assert max(np.diff([start, *ticks])) < seconds / 2
 
 
-def test_threads_may_ask_at_once():
+def test_threads_may_call_at_the_same_time():
     poses = random_poses(400, 2.0, 9)
     expected = impinge.intersects(TORUS, TORUS, poses)
     answers = [None] * 6
@@ -177,7 +177,7 @@ def _in_child(queue, poses):
     made = impinge.Mesh(*torus())
     single = impinge.intersecting_pairs(made, TORUS, poses[0])
     first = impinge.intersects(made, TORUS, poses[0])
-    # So many pairs that the library would share out the look-ups, on the caller's own thread.
+    # Enough pairs that the library would distribute their lookup, from the calling thread.
     square = impinge.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.tile([[0, 1, 2]], (300, 1)))
     queue.put((impinge.intersects(TORUS, made, poses), single, first, len(impinge.intersecting_pairs(square, square))))
 
@@ -186,7 +186,7 @@ def _in_child(queue, poses):
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 def test_a_fork_after_a_parallel_call_does_not_hang():
     poses = random_poses(500, 2.0, 3)
-    hits = impinge.intersects(TORUS, TORUS, poses)  # the pool of this process has its threads now
+    hits = impinge.intersects(TORUS, TORUS, poses)  # starts the threads of this process's pool
     context = multiprocessing.get_context("fork")
     queue = context.Queue()
     child = context.Process(target=_in_child, args=(queue, poses))
@@ -239,7 +239,7 @@ def test_a_million_poses_do_not_leak():
         impinge.intersects(CUBE, CUBE, poses)
         gc.collect()
         peaks.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
-    assert peaks[-1] - peaks[0] < 8_000  # kilobytes; the answers of one call alone are 250, its poses 30,000
+    assert peaks[-1] - peaks[0] < 8_000  # kilobytes; one call has answers of 250 and poses of 30,000
 
 
 def _overcommits():
@@ -248,13 +248,13 @@ def _overcommits():
 
 
 @pytest.mark.skipif(_overcommits(), reason="this system grants memory that it does not have")
-def test_more_answers_than_memory_are_refused():
-    poses = np.tile(np.eye(4), (1 << 18, 1, 1))  # 32 MiB that broadcast to 2^36 rows
+def test_more_rows_than_fit_into_memory_raise_an_error():
+    poses = np.tile(np.eye(4), (1 << 18, 1, 1))  # 32 MiB of poses, broadcast to 2^36 rows
     with pytest.raises(MemoryError):
         impinge.intersecting_pairs(CUBE, CUBE, poses[:, None], poses)
 
 
-def test_one_pose_costs_little_above_the_work():
+def test_a_call_with_one_pose_has_little_overhead():
     a = impinge.Mesh(*cube())
     far = impinge.pose([100, 0, 0])
     runs = []
@@ -263,10 +263,10 @@ def test_one_pose_costs_little_above_the_work():
         for _ in range(200):
             impinge.intersects(a, a, None, far)
         runs.append((time.perf_counter() - start) / 200)
-    assert min(runs) < 20e-6  # about 1 us on a quiet machine: see docs/python.md
+    assert min(runs) < 20e-6  # about 1 us on an idle machine: see docs/python.md
 
 
-def test_a_first_hit_of_large_meshes_waits_for_no_thread():
+def test_a_single_query_of_large_meshes_does_not_wait_for_threads():
     resource = pytest.importorskip("resource")
     if not hasattr(resource, "RUSAGE_THREAD"):
         pytest.skip("this system does not count what one thread waits")
@@ -277,4 +277,4 @@ def test_a_first_hit_of_large_meshes_waits_for_no_thread():
     for _ in range(100):
         impinge.intersects(sheet, sheet, None, crossing)
     waits = resource.getrusage(resource.RUSAGE_THREAD).ru_nvcsw - before
-    assert waits < 50  # a call that waits for another thread gives its processor away
+    assert waits < 50  # waiting for another thread is a voluntary context switch

@@ -1,4 +1,4 @@
-"""Characters: the volumes against NumPy's closed forms and against the shapes that they are."""
+"""Characters: volumes against closed forms in NumPy, and against the equivalent shapes."""
 
 import inspect
 import pickle
@@ -22,7 +22,7 @@ def robot():
 
 
 def shape_of(part):
-    """The volume as a shape; none for a lozenge."""
+    """Returns the volume as a shape, or None for a lozenge."""
     if part.kind == "sphere":
         return Shape.sphere(part.radius, part.points[0])
     if part.kind == "capsule":
@@ -31,7 +31,7 @@ def shape_of(part):
 
 
 def outside(part, frame, points):
-    """(n,) how far points of the world are outside of a sphere or a pill."""
+    """Returns the distances (n,) of world points from the surface of a sphere or capsule."""
     assert part.kind in ("sphere", "capsule")
     start, end = (frame[:3, :3] @ point + frame[:3, 3] for point in (part.points[0], part.points[-1]))
     along = end - start
@@ -39,7 +39,7 @@ def outside(part, frame, points):
     return np.linalg.norm(points - start - t[:, None] * along, axis=1) - part.radius
 
 
-def test_what_a_file_holds(robot):
+def test_parts_bones_and_animations_of_a_file_are_read(robot):
     assert len(robot.parts) == 6
     assert {part.name for part in robot.parts} >= {"head", "left arm", "right arm", "left leg", "right leg", "torso"}
     assert "head" in repr(robot.parts[[part.name for part in robot.parts].index("head")])
@@ -52,7 +52,7 @@ def test_what_a_file_holds(robot):
     assert impinge.Character(ROBOT, mode="snug").leaks().share.max() > 0
 
 
-def test_conservative_volumes_hold_the_surface(robot):
+def test_conservative_volumes_contain_the_surface(robot):
     for animation in robot.animations[::3]:
         for time in np.linspace(animation.start, animation.end, 7):
             posed = robot.at(animation.name, time, origin=[1, 2, 3])
@@ -64,7 +64,7 @@ def test_conservative_volumes_hold_the_surface(robot):
                 assert away[number][own].max() <= 1e-9
 
 
-def test_rays_strike_what_shapes_say(robot):
+def test_rays_hit_the_same_parts_as_rays_on_their_shapes(robot):
     rng = np.random.default_rng(4)
     posed = robot.at("Robot_Running", 0.3)
     low, high = posed.bounds
@@ -86,7 +86,7 @@ def test_rays_strike_what_shapes_say(robot):
         assert (np.diff(hits.t) >= 0).all()
         assert sorted(hits.part.tolist()) == np.flatnonzero(t[:, row] < inf).tolist()
         assert hits.t[0] == found.t[row]
-    # No hit on the surface is missed.
+    # Every ray that hits the surface hits a volume.
     assert not (posed.mesh().ray_cast(origins, aims - origins).hit & ~found.hit).any()
     single = posed.ray_cast(origins[struck[0]], aims[struck[0]] - origins[struck[0]])
     assert (single.part, single.t) == (found.part[struck[0]], found.t[struck[0]])
@@ -98,7 +98,7 @@ def test_rays_strike_what_shapes_say(robot):
     assert fine.hit.sum() < found.hit.sum()
 
 
-def test_shapes_meshes_and_others_strike(robot):
+def test_struck_by_finds_the_parts_that_intersect(robot):
     rng = np.random.default_rng(5)
     posed = robot.at("Robot_Punch", 0.4)
     volumes = [(shape_of(part), frame) for part, frame in zip(robot.parts, posed.frames, strict=True)]
@@ -126,8 +126,8 @@ def test_shapes_meshes_and_others_strike(robot):
     assert (pairs.depth >= 0).all()
 
 
-def test_a_punch_is_caught_and_never_late(robot):
-    """Through the body within one step; the first contact by small steps in NumPy."""
+def test_no_hit_of_a_moving_shape_is_missed_or_late(robot):
+    """The fist passes through the body in one step; small steps in NumPy find the first contact."""
     before, after = robot.at("Robot_Idle", 0.3), robot.at("Robot_Idle", 0.3, origin=[0.5, 0, 0])
     fist, start, end = Shape.sphere(0.3), np.array([0.2, 2.5, 40]), np.array([0.1, 2.0, -40])
     strikes = before.strikes(after, fist, pose(start), pose(end))
@@ -135,7 +135,8 @@ def test_a_punch_is_caught_and_never_late(robot):
     steps = np.linspace(0, 1, 20001)
     first = np.full(6, inf)
     for number, (part, frame) in enumerate(zip(robot.parts, before.frames, strict=True)):
-        # Seen from the body, which moves evenly along x, the fist moves along a line.
+        # In the frame of the body, which moves along x at constant velocity,
+        # the fist moves along a line.
         seen = start + steps[:, None] * (end - start) - steps[:, None] * [0.5, 0, 0]
         touches = outside(part, frame, seen) <= 0.3
         first[number] = steps[touches.argmax()] if touches.any() else inf
@@ -149,7 +150,7 @@ def test_a_punch_is_caught_and_never_late(robot):
         assert before.strikes(after, shape, pose(start), pose(end)).t[0] < 0.6
 
 
-def test_rays_at_the_surface_meet_what_the_mesh_says(robot):
+def test_surface_rays_equal_rays_on_the_skinned_mesh(robot):
     rng = np.random.default_rng(6)
     for animation, time, origin in [("Robot_Punch", 0.4, [0, 0, 0]), ("Robot_Running", 0.2, [5, -1, 1000])]:
         posed = robot.at(animation, time, origin=origin)
@@ -168,7 +169,7 @@ def test_rays_at_the_surface_meet_what_the_mesh_says(robot):
 
 
 @pytest.mark.parametrize("options", [{}, {"volumes": 12}, {"mode": "snug"}])
-def test_parts_are_bodies_of_a_world(options):
+def test_part_bodies_collide_as_their_shapes_do(options):
     robot = impinge.Character(ROBOT, **options)
     world = impinge.World(narrow_phase="intersections")
     places, names = [[0, 0, 0], [2.5, 0, 0.5], [1, 0, 3]], ["Robot_Punch", "Robot_Running", "Robot_Dance"]
@@ -203,14 +204,14 @@ def test_parts_are_bodies_of_a_world(options):
     assert len(world.step().ended) == len([pair for pair in now if set(pair) & set(crowd[0].bodies.tolist())]) > 0
     with pytest.raises(impinge.InputError, match="any more"):
         crowd[0].remove(world)
-    # A world pickles with the shapes of parts.
+    # A pickled world contains the shapes of the parts.
     again = pickle.loads(pickle.dumps((world, crowd[1])))
     assert again[0].pairs().tolist() == world.pairs().tolist()
     assert again[1].part(world.bodies).tolist() == crowd[1].part(world.bodies).tolist()
 
 
 @pytest.mark.parametrize("kind", ["sphere", "capsule", "box", "lozenge", "hull"])
-def test_bodies_of_parts_are_where_the_volumes_are(kind, robot, tmp_path):
+def test_part_bodies_have_the_poses_of_the_volumes(kind, robot, tmp_path):
     robot.save(tmp_path / "parts.toml")
     text = (tmp_path / "parts.toml").read_text()
     (tmp_path / "parts.toml").write_text(re.sub(r'kind = "\w+"', f'kind = "{kind}"', text))
@@ -227,7 +228,7 @@ def test_bodies_of_parts_are_where_the_volumes_are(kind, robot, tmp_path):
     assert 15 < found.counts.sum() < 300
 
 
-def test_self_hits_are_of_parts_without_an_owner_alone(robot):
+def test_parts_collide_with_each_other_only_without_an_owner(robot):
     for owner, meets in [(None, True), (3, False)]:
         world = impinge.World()
         bodies = impinge.PartBodies.insert(world, robot.at(), owner=owner)
@@ -235,7 +236,7 @@ def test_self_hits_are_of_parts_without_an_owner_alone(robot):
         assert repr(bodies).startswith("PartBodies(6 bodies of Character(")
 
 
-def test_what_is_wrong_about_bodies_is_named(robot):
+def test_errors_name_the_invalid_argument_of_part_bodies(robot):
     world, other = impinge.World(), impinge.Character(ROBOT, volumes=1)
     bodies = impinge.PartBodies.insert(world, robot.at())
     for what, ask in [
@@ -253,8 +254,8 @@ def test_what_is_wrong_about_bodies_is_named(robot):
 
 
 @pytest.mark.parametrize("documented", [impinge.PartBodies, impinge.CharacterPose.surface_ray_cast])
-def test_examples_that_need_a_file_run(documented, robot):
-    """The literal blocks of a docstring, one after another, with what they take for granted."""
+def test_docstring_examples_that_need_a_file_run(documented, robot):
+    """Runs the literal blocks of a docstring in order, with the names that they assume."""
     blocks = re.findall(r"::\n\n((?:[ ]{4,}.*\n|\n)+)", inspect.getdoc(documented) + "\n")
     assert blocks
     known = {"impinge": impinge, "np": np, "robot": robot, "crowd": [], "crowd_poses": []}
@@ -265,7 +266,7 @@ def test_examples_that_need_a_file_run(documented, robot):
         assert known["struck"]
 
 
-def test_saved_and_loaded(robot, tmp_path):
+def test_a_saved_character_loads_bitwise_equal(robot, tmp_path):
     robot.save(tmp_path / "robot.toml")
     again = impinge.Character.load(ROBOT, tmp_path / "robot.toml")
     for one, other in zip(robot.parts, again.parts, strict=True):
@@ -298,13 +299,13 @@ def test_saved_and_loaded(robot, tmp_path):
         ("not-rigid", "pose_t1", lambda r: r.at().strikes(r.at(), Shape.sphere(1), None, np.diag([2.0, 1, 1, 1]))),
     ],
 )
-def test_what_is_wrong_is_named(robot, kind, what, ask):
+def test_errors_name_the_invalid_argument(robot, kind, what, ask):
     with pytest.raises(impinge.InputError) as caught:
         ask(robot)
     assert (caught.value.kind, caught.value.what) == (kind, what)
 
 
-def test_files_that_are_no_rigs(tmp_path):
+def test_files_without_a_rig_raise_an_error(tmp_path):
     with pytest.raises(FileNotFoundError):
         impinge.Character(tmp_path / "none.glb")
     (tmp_path / "text.glb").write_text("no rig")
@@ -315,7 +316,7 @@ def test_files_that_are_no_rigs(tmp_path):
         impinge.Character.load(ROBOT, tmp_path / "fit.toml")
 
 
-def test_rays_of_any_length_strike_the_same_parts():
+def test_the_length_of_a_direction_does_not_change_the_hit():
     posed = impinge.Character(ROBOT, volumes=4).at()
     origin = np.asarray(posed.bounds).mean(axis=0) - [0, 0, 50]
     expected = posed.ray_cast(origin, [0.0, 0, 1])

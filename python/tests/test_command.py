@@ -43,7 +43,7 @@ def test_the_exit_code_says_whether_meshes_intersect(command, shift, code):
 
 
 @either
-def test_no_answer_is_2_with_the_error_on_either_stream(command):
+def test_errors_exit_with_2_and_a_message(command):
     done = run(command, "check", HUMAN, "missing.stl", "--json")
     assert done.returncode == 2
     error = json.loads(done.stdout)["error"]
@@ -53,7 +53,7 @@ def test_no_answer_is_2_with_the_error_on_either_stream(command):
 
 
 @either
-def test_wrong_arguments_are_no_answer(command):
+def test_wrong_arguments_exit_with_2(command):
     done = run(command, "check", HUMAN)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("error: ")
@@ -70,7 +70,7 @@ def test_the_command_uses_all_processors():
 
 
 @on_unix
-def test_a_reader_that_left_takes_nothing_from_the_exit_code():
+def test_a_closed_pipe_does_not_change_the_exit_code():
     reader, writer = os.pipe()
     os.close(reader)
     try:
@@ -82,11 +82,11 @@ def test_a_reader_that_left_takes_nothing_from_the_exit_code():
 
 
 @on_unix
-def test_an_interrupt_ends_the_command_without_an_answer(tmp_path):
+def test_an_interrupt_ends_the_command_with_2(tmp_path):
     endless = tmp_path / "endless.obj"
     os.mkfifo(endless)
     command = [*SCRIPT, "check", str(endless), HUMAN, "--json"]
-    # The named pipe opens when the command opens it for reading, and the command never sees its end.
+    # Opening the pipe waits until the command reads it; the command never reaches its end.
     with (
         subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child,
         endless.open("w"),
@@ -98,13 +98,13 @@ def test_an_interrupt_ends_the_command_without_an_answer(tmp_path):
     assert json.loads(stdout)["complete"] is False
 
 
-def test_what_python_printed_before_comes_first():
+def test_output_printed_before_the_command_comes_first():
     program = "from impinge._command import main; print('before'); code = main(); print('after', code)"
     done = run([sys.executable, "-c", program], "--version")
     assert done.stdout == f"before\nimpinge {impinge.__version__}\nafter 0\n"
 
 
-def test_a_defect_is_no_answer_and_no_collision(monkeypatch, capsys):
+def test_an_internal_error_exits_with_2(monkeypatch, capsys):
     def broken(_arguments):
         raise RuntimeError("a defect")
 

@@ -1,4 +1,4 @@
-"""Copies and pickles: of every public class, and that what comes back goes on as what was kept."""
+"""Copies and pickles of every public class equal the original, and continue like it."""
 
 import copy
 import dataclasses
@@ -12,8 +12,8 @@ import impinge.trimesh
 import numpy as np
 import pytest
 from impinge import Shape, fcl, partition, pose
-from seen import state
 from shapes import TRIANGLE, cube, torus
+from visible_state import state
 
 ROBOT = Path(__file__).resolve().parents[2] / "data" / "robot.glb"
 
@@ -31,7 +31,7 @@ COPIES = {
 
 
 def examples():
-    """One of each public class, by the class."""
+    """Returns one instance of each public class, by class."""
     mesh = impinge.Mesh(*torus(12, 8))
     box = impinge.Mesh(*cube())
     world = impinge.World()
@@ -94,12 +94,12 @@ def things():
 MODULES = (impinge, impinge.fcl, impinge.fit, partition, impinge.trimesh)
 PUBLIC = dict.fromkeys(getattr(module, name) for module in MODULES for name in module.__all__)
 CLASSES = [one for one in PUBLIC if inspect.isclass(one) and not set(one.__subclasses__()) & set(PUBLIC)]
-"""Those of which there are instances: not the bases of others."""
+"""Public classes with instances, without base classes of other public classes."""
 
 
 @pytest.mark.parametrize("public", CLASSES)
 @pytest.mark.parametrize("way", COPIES)
-def test_every_public_class_comes_back(things, public, way):
+def test_copies_of_every_public_class_equal_the_original(things, public, way):
     thing = things[public]
     again = COPIES[way](thing)
     assert type(again) is public
@@ -107,11 +107,11 @@ def test_every_public_class_comes_back(things, public, way):
     assert repr(again) == repr(thing) or " at 0x" in repr(thing)
 
 
-def test_the_public_classes_are_found():
+def test_the_list_of_public_classes_is_complete():
     assert len(CLASSES) > 65
 
 
-def test_a_copy_of_a_mesh_shares_it_and_goes_its_own_way():
+def test_a_copy_of_a_mesh_shares_data_until_a_refit():
     vertices, faces = torus()
     mesh = impinge.Mesh(vertices, faces)
     mesh.refit(vertices * [1, 1, 4])
@@ -120,7 +120,7 @@ def test_a_copy_of_a_mesh_shares_it_and_goes_its_own_way():
     for other in (copy.copy(mesh), copy.deepcopy(mesh)):
         assert other.vertices is shown
         assert other.faces is mesh.faces
-        assert other.aging == aged  # the hierarchy is the same, not built anew
+        assert other.aging == aged  # the hierarchy is shared, not rebuilt
         mesh.refit(vertices + 9)
         assert np.array_equal(other.vertices, shown)
         other.refit(vertices - 9)
@@ -128,7 +128,7 @@ def test_a_copy_of_a_mesh_shares_it_and_goes_its_own_way():
         mesh.refit(shown)
 
 
-def test_a_shape_keeps_the_mesh_as_it_was_in_pickles_too():
+def test_a_pickled_shape_keeps_the_mesh_it_was_made_from():
     vertices, faces = cube()
     mesh = impinge.Mesh(vertices, faces)
     shapes = [Shape.mesh(mesh, solid=True), Shape.compound([(mesh, None), (Shape.mesh(mesh), pose([3, 0, 0]))])]
@@ -141,12 +141,12 @@ def test_a_shape_keeps_the_mesh_as_it_was_in_pickles_too():
 
 
 def apart(a, b):
-    """A filter: bodies in odd places of the handles' order do not meet."""
+    """A filter that rejects pairs if the sum of their handles is divisible by 7."""
     return (a + b) % 7 != 0
 
 
 def crowd(rng, **options):
-    """A world in which something is always changed that no step has told of."""
+    """Returns a world with changes of every kind that no step has reported yet."""
     world = impinge.World(**options)
     mesh = impinge.Mesh(*cube())
     at = pose(rng.uniform(-2, 2, (12, 3)))
@@ -161,12 +161,12 @@ def crowd(rng, **options):
     world.set_poses(bodies[7], pose([0.25, 0.25, 0.5]))
     world.set_traits(bodies[8], layers=5)
     world.insert(Shape.capsule([0, 0, 0], [0, 0, 1], 0.5), pose([0.5, 0, 0]))
-    mesh.refit(cube()[0] + 50)  # which the world does not see
+    mesh.refit(cube()[0] + 50)  # does not affect the world
     return world
 
 
-def told(world, steps, seed=5):
-    """All that a world says over some steps."""
+def history(world, steps, seed=5):
+    """Returns all reports of a world over several random steps, as text."""
     rng, story = np.random.default_rng(seed), []
     for _ in range(steps):
         handles = np.array([body for body in world.bodies if world.bounds(body)[0, 0] > -np.inf])
@@ -181,41 +181,41 @@ def told(world, steps, seed=5):
 
 @pytest.mark.parametrize("broad_phase", ["auto", "tree", "columns", "three_axes"])
 @pytest.mark.parametrize("way", COPIES)
-def test_a_world_goes_on_as_the_one_it_was_made_of(broad_phase, way):
+def test_a_copied_world_continues_like_the_original(broad_phase, way):
     rng = np.random.default_rng(11)
     world = crowd(rng, broad_phase=broad_phase)
     before = state([world.pairs(), world.contacts().all, world.undecided()])
     other = COPIES[way](world)
     assert state([other.pairs(), other.contacts().all, other.undecided()]) == before
     assert len(world.pairs()) > 5
-    expected = told(world, 3)
-    assert told(other, 3) == expected
-    assert told(COPIES[way](other), 2) == told(other, 2)
+    expected = history(world, 3)
+    assert history(other, 3) == expected
+    assert history(COPIES[way](other), 2) == history(other, 2)
 
 
-def test_a_filter_pickles_with_its_world_where_it_can():
+def test_a_world_pickles_a_picklable_filter():
     rng = np.random.default_rng(3)
     world = crowd(rng)
     world.set_filter(apart)
-    expected = told(pickled(world), 2)
-    assert expected == told(copy.copy(world), 2) == told(world, 2)
+    expected = history(pickled(world), 2)
+    assert expected == history(copy.copy(world), 2) == history(world, 2)
     world.set_filter(None)
-    assert told(pickled(world), 1, 6) != expected
+    assert history(pickled(world), 1, 6) != expected
     world.set_filter(lambda a, b: True)
     with pytest.raises((pickle.PicklingError, AttributeError), match="lambda"):
         pickle.dumps(world)
     assert state(copy.copy(world)) == state(world)
 
 
-def test_a_state_pickles_apart_from_its_world():
+def test_a_saved_state_pickles_without_its_world():
     world = crowd(np.random.default_rng(8))
     kept = pickle.dumps(world.save())
-    expected = told(world, 2)
+    expected = history(world, 2)
     other = impinge.World()
     other.restore(pickle.loads(kept))
-    assert told(other, 2) == expected
+    assert history(other, 2) == expected
     world.restore(pickle.loads(kept))
-    assert told(world, 2) == expected
+    assert history(world, 2) == expected
 
 
 def test_shapes_and_arrays_of_a_world_are_pickled_once_and_out_of_band():
@@ -226,7 +226,7 @@ def test_shapes_and_arrays_of_a_world_are_pickled_once_and_out_of_band():
     buffers = []
     head = pickle.dumps(world, 5, buffer_callback=buffers.append)
     assert sum(buffer.raw().nbytes for buffer in buffers) >= mesh.vertices.nbytes + mesh.faces.nbytes + 50 * 128
-    # Wherever the buffers come to lie.
+    # Buffers may be unaligned.
     unaligned = []
     for buffer in buffers:
         raw = bytearray(buffer.raw().nbytes + 1)
@@ -236,12 +236,12 @@ def test_shapes_and_arrays_of_a_world_are_pickled_once_and_out_of_band():
 
 
 def replaced(data, *path, by):
-    """The same tuples with another item in one place."""
+    """Returns the nested tuples with one item replaced."""
     at, *rest = path
     return (*data[:at], replaced(data[at], *rest, by=by) if rest else by, *data[at + 1 :])
 
 
-def test_data_that_is_no_state_is_refused():
+def test_invalid_state_data_raise_an_error():
     world = impinge.World()
     world.insert(Shape.sphere(1), pose([[0, 0, 0], [1, 0, 0]]))
     world.step()
@@ -285,14 +285,14 @@ def test_poses_of_a_character_share_it_in_one_pickle(tmp_path):
     assert state(first.ray_cast(-9 * rays, rays)) == state(poses[0].ray_cast(-9 * rays, rays))
     kept = pickle.dumps(robot)
     file.write_bytes(ROBOT.read_bytes().replace(b"Robot_Walking", b"Robot_Wolking"))
-    with pytest.raises(impinge.InputError, match="that was pickled"):
+    with pytest.raises(impinge.InputError, match="character was pickled"):
         pickle.loads(kept)
     file.unlink()
     with pytest.raises(FileNotFoundError):
         pickle.loads(kept)
 
 
-def test_a_motion_pickles_by_what_it_was_made_of():
+def test_an_unpickled_motion_has_the_same_poses():
     turn = impinge.Motion.screw(pose([[1, 2, 3], [0, 0, 0]]), [0, 0, 1], [0, 0, 7], pivot=[1, 0, 0])
     for motion in (turn, impinge.Motion.screw(None, [1, 0, 0], [0, 1, 0]), impinge.Motion(pose([1, 0, 0]), None)):
         again = pickled(motion)

@@ -1,4 +1,4 @@
-"""Distances and clearances: closed forms, laws, and the same answer one by one and in one call."""
+"""Distances and clearances against closed forms, brute force and loops."""
 
 import impinge
 import numpy as np
@@ -9,7 +9,7 @@ from shapes import cube, random_poses, torus
 CUBE, TORUS = impinge.Mesh(*cube()), impinge.Mesh(*torus())
 
 
-def test_boxes_have_the_distances_of_the_closed_form():
+def test_distances_of_boxes_equal_the_closed_form():
     offsets = np.array([[3, 0, 0], [0, -4, 0], [4, 5, 0], [2, 3, 3], [1, 0, 0], [0.5, 0.5, 0.5]])
     gaps = np.maximum(np.abs(offsets) - 1, 0)
     far = impinge.distance(CUBE, CUBE, pose_b=impinge.pose(offsets))
@@ -42,7 +42,7 @@ def test_a_call_equals_a_loop():
         assert near.tolist() == [impinge.within(TORUS, CUBE, clearance, pose) for pose in poses]
 
 
-def test_against_brute_force():
+def test_distances_equal_brute_force():
     poses = random_poses(25, 3.0, 6)
     small = torus(9, 6)
     far = impinge.distance(impinge.Mesh(*small), CUBE, poses)
@@ -53,11 +53,11 @@ def test_against_brute_force():
     assert 5 < (far.distance > 0).sum() < 25
 
 
-def test_a_motion_is_answered_as_its_poses_in_any_order():
-    """Each search starts from the last one's faces, which must not change an answer, nor how ties are broken."""
+def test_the_order_of_poses_does_not_change_distances():
+    """Each search starts from the faces of the last one; this changes neither answers nor ties."""
     steps = np.linspace(0, 1, 300)[:, None]
     motion = impinge.pose(steps * [4.0, 0.5, 0], rpy=steps * [0.0, 0.2, 3.0])
-    motion[:100, :3, :3] = np.eye(3)  # the faces of both cubes are parallel: ties
+    motion[:100, :3, :3] = np.eye(3)  # parallel faces are equally near: ties
     order = np.random.default_rng(4).permutation(len(motion))
     for mesh in (CUBE, TORUS):
         along, shuffled = impinge.distance(CUBE, mesh, None, motion), impinge.distance(CUBE, mesh, None, motion[order])
@@ -71,12 +71,12 @@ def test_a_motion_is_answered_as_its_poses_in_any_order():
 
 def test_clearances_are_decided_exactly():
     above = impinge.pose([0, 0, 1.1])
-    gap = float(np.float64(1.1) - 1)  # exact: the cubes' faces are at 0.5 and at 1.1 - 0.5
+    gap = float(np.float64(1.1) - 1)  # exact: the faces are at 0.5 and at 1.1 - 0.5
     assert impinge.within(CUBE, CUBE, gap, pose_b=above)
     assert not impinge.within(CUBE, CUBE, np.nextafter(gap, 0), pose_b=above)
 
 
-def test_empty_meshes_and_bad_poses():
+def test_empty_meshes_are_infinitely_far_and_invalid_poses_have_a_status():
     empty = impinge.Mesh([], [])
     far = impinge.distance(CUBE, empty)
     assert (far.distance, far.lower, far.face_a, far.face_b) == (np.inf, np.inf, -1, -1)
@@ -94,7 +94,7 @@ def test_empty_meshes_and_bad_poses():
 
 
 @pytest.mark.parametrize("exponent", [-300, -535, -540, -600, -880, -960, -1040, -1070])
-def test_tiny_meshes_are_as_far_apart_as_they_are(exponent):
+def test_distances_of_tiny_meshes_are_accurate(exponent):
     size = 2.0**exponent
     triangle = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
     unit, tiny = impinge.Mesh(triangle, [[0, 1, 2]]), impinge.Mesh(triangle * size, [[0, 1, 2]])

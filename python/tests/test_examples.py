@@ -1,7 +1,7 @@
 """The programs in `examples/python`.
 
-Each prints what its file in `examples/expected` holds. The tests of `examples/rust` compare the same files with the
-same programs in Rust.
+The output of each equals its file in `examples/expected`. The tests of `examples/rust` compare the
+same files with the same programs in Rust.
 """
 
 import subprocess
@@ -16,7 +16,7 @@ MOST_LINES = 59
 
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda program: program.stem)
-def test_prints_what_is_expected(program, tmp_path):
+def test_the_output_equals_the_expected_file(program, tmp_path):
     done = subprocess.run([sys.executable, program], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout == (EXAMPLES / "expected" / f"{program.stem}.txt").read_text()

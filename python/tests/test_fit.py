@@ -1,11 +1,11 @@
-"""Hulls and volumes: closed forms, qhull, and that everything holds what it was made of."""
+"""Hulls and volumes against closed forms and qhull; all of them contain their points."""
 
 import impinge
 import numpy as np
 import pytest
 from impinge import fit
-from seen import state
 from shapes import cube, random_poses, torus
+from visible_state import state
 
 RNG = np.random.default_rng(17)
 CLOUDS = {
@@ -19,7 +19,7 @@ CLOUDS = {
     "one point": np.ones((1, 3)),
     "duplicates": np.full((7, 3), 0.1),
 }
-TOLERANCE = 1e-12  # of the magnitudes, for what NumPy rounds when it checks
+TOLERANCE = 1e-12  # relative to the magnitudes, for rounding in the checks
 
 
 def slack(points):
@@ -36,7 +36,7 @@ def to_segment(points, start, along):
 
 
 @pytest.mark.parametrize("name", CLOUDS)
-def test_every_volume_holds_its_points(name):
+def test_every_volume_contains_its_points(name):
     points = CLOUDS[name]
     double, tiny = points.astype(float), slack(points.astype(float))
     for method in ("minimal", "mean", "box", "ritter", "principal", "refined"):
@@ -61,7 +61,7 @@ def test_every_volume_holds_its_points(name):
     lozenge = fit.lozenge(points)
     u, v = lozenge.edges
     s, t = (np.clip((double - lozenge.corner) @ e / max(e @ e, 1e-300), 0, 1) for e in (u, v))
-    away = double - lozenge.corner - s[:, None] * u - t[:, None] * v  # the edges are at right angles
+    away = double - lozenge.corner - s[:, None] * u - t[:, None] * v  # the edges are orthogonal
     assert (np.linalg.norm(away, axis=1) <= lozenge.radius + tiny).all()
     for k in (14, 18, 26):
         kdop = fit.kdop(points, k)
@@ -83,7 +83,7 @@ def test_minimal_spheres_are_minimal(name):
     assert shuffled.radius == pytest.approx(sphere.radius, rel=1e-12, abs=1e-15)
 
 
-def test_known_volumes():
+def test_volumes_of_known_shapes_are_exact():
     turned = cube()[0] @ random_poses(1, 0, 5)[0, :3, :3].T
     assert fit.obb(turned).volume == pytest.approx(1)
     assert impinge.minimal_sphere(turned).radius == pytest.approx(np.sqrt(0.75))
@@ -93,7 +93,7 @@ def test_known_volumes():
 
 
 @pytest.mark.parametrize("name", CLOUDS)
-def test_hulls(name):
+def test_hulls_are_closed_and_contain_their_points(name):
     points = CLOUDS[name]
     double, hull = points.astype(float), impinge.convex_hull(points)
     assert (hull.vertices.dtype, hull.faces.dtype) == (np.uint32, np.uint32)
@@ -103,18 +103,18 @@ def test_hulls(name):
     assert len(hull.vertices) == {0: 1, 1: 2}.get(dimension, len(hull.vertices))
     if dimension == 3:
         assert set(hull.faces.ravel().tolist()) == set(hull.vertices.tolist())
-        assert len(hull.faces) == 2 * len(hull.vertices) - 4  # Euler
+        assert len(hull.faces) == 2 * len(hull.vertices) - 4  # Euler's formula
         mesh = impinge.Mesh(points, hull.faces)
         assert mesh.is_closed
         assert mesh.contains(points).all()  # exact
-        assert mesh.winding_number(double[hull.vertices].mean(axis=0)) == 1  # faces outward
+        assert mesh.winding_number(double[hull.vertices].mean(axis=0)) == 1  # faces are oriented outward
     elif dimension == 2:
         assert len(hull.faces) == 2 * (len(hull.vertices) - 2)
     else:
         assert hull.faces.shape == (0, 3)
 
 
-def test_hulls_against_qhull():
+def test_hulls_have_the_vertices_of_qhull():
     spatial = pytest.importorskip("scipy.spatial")
     for name in ("cloud", "single precision", "torus"):
         theirs = np.sort(spatial.ConvexHull(CLOUDS[name].astype(float)).vertices)
@@ -136,14 +136,14 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("kind", "where", "points"), WRONG)
-def test_what_is_wrong_is_named(kind, where, points):
+def test_errors_name_the_invalid_points(kind, where, points):
     for made in FITS:
         with pytest.raises(impinge.InputError) as caught:
             made(points)
         assert (caught.value.kind, caught.value.what, caught.value.where) == (kind, "points", where)
 
 
-def test_options_are_judged():
+def test_invalid_options_raise_an_error():
     points = cube()[0]
     for wrong in ("least", "", None, 1, "minimal sphere"):
         with pytest.raises(impinge.InputError, match="method"):
@@ -155,14 +155,14 @@ def test_options_are_judged():
         fit.obb(points, "minimal")
 
 
-def test_the_arrays_may_be_of_any_layout():
+def test_point_arrays_of_any_layout_are_accepted():
     points = CLOUDS["cloud"]
     for same in (np.asfortranarray(points), points.astype(">f8"), np.repeat(points, 2, axis=0)[::2], points.tolist()):
         assert np.array_equal(fit.obb(same).center, fit.obb(points).center)
         assert np.array_equal(impinge.convex_hull(same).faces, impinge.convex_hull(points).faces)
 
 
-def test_proxies_are_made_baked_and_read(tmp_path):
+def test_proxies_are_equal_computed_and_loaded(tmp_path):
     vertices, faces = torus()
     vertices = np.concatenate([vertices, [[9, 9, 9]]])
     mesh = impinge.Mesh(vertices, faces)
@@ -197,7 +197,7 @@ def test_proxies_are_made_baked_and_read(tmp_path):
         mesh.bake(with_, proxies=True)
 
 
-def test_proxies_of_another_mesh_are_refused():
+def test_proxies_of_another_mesh_raise_an_error():
     vertices, faces = torus()
     baked = bytearray(impinge.Mesh(vertices, faces).to_baked(proxies=True))
     for back in range(40, 4000, 97):

@@ -34,7 +34,7 @@ def test_a_file_becomes_a_mesh(as_path):
     assert impinge.intersects(human, human)
 
 
-def test_polygons_and_parts_are_remembered(tmp_path):
+def test_the_origin_names_polygons_and_parts(tmp_path):
     path = tmp_path / "two.obj"
     path.write_text(OBJ)
     mesh = impinge.load(path)
@@ -77,7 +77,7 @@ def test_a_scene_has_the_parts_of_a_file(tmp_path):
         assert len(impinge.load(empty).faces) == 0
 
 
-def test_baked_meshes_answer_the_same(tmp_path):
+def test_baked_meshes_give_the_same_answers(tmp_path):
     human = impinge.load(HUMAN)
     human.bake(tmp_path / "human.impinge")
     opened = impinge.load(tmp_path / "human.impinge")
@@ -94,7 +94,7 @@ def test_baked_meshes_answer_the_same(tmp_path):
         impinge.intersecting_pairs(human, human, None, poses[0]),
     )
     double = impinge.Mesh([[0, 0, 0.1], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-    double.bake(str(tmp_path / "human.impinge"))  # in the place of the other one, which lives on
+    double.bake(str(tmp_path / "human.impinge"))  # replaces the file, which stays mapped by `opened`
     assert np.array_equal(impinge.load(tmp_path / "human.impinge").vertices, double.vertices)
     assert impinge.intersects(opened, human)
     opened.refit(human.vertices * 2)
@@ -102,7 +102,7 @@ def test_baked_meshes_answer_the_same(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["human.impinge"]
 
 
-def test_a_mesh_is_baked_onto_the_file_that_it_is_mapped_from(tmp_path):
+def test_a_mapped_mesh_can_be_baked_to_its_own_file(tmp_path):
     path = tmp_path / "human.impinge"
     human = impinge.load(HUMAN)
     human.bake(path)
@@ -114,7 +114,7 @@ def test_a_mesh_is_baked_onto_the_file_that_it_is_mapped_from(tmp_path):
         human.bake(tmp_path / "missing" / "human.impinge")
 
 
-def test_threads_that_bake_to_one_path_leave_the_file_of_one_of_them(tmp_path):
+def test_concurrent_bakes_to_one_path_leave_one_valid_file(tmp_path):
     path = tmp_path / "mesh.impinge"
     corners = np.random.default_rng(3).random((300, 3))
     meshes = [impinge.Mesh(corners, np.arange(300 + 3 * i).reshape(-1, 3) % 300) for i in range(8)]
@@ -147,7 +147,7 @@ def test_workers_share_a_baked_mesh(tmp_path):
     assert answers == str(impinge.intersects(mesh, mesh, None, poses).tolist())
 
 
-def test_bytes_of_any_buffer_are_a_mesh_without_building(tmp_path):
+def test_a_baked_mesh_is_read_from_any_buffer(tmp_path):
     human = impinge.load(HUMAN)
     human.bake(tmp_path / "human.impinge")
     baked = human.to_baked()
@@ -157,7 +157,7 @@ def test_bytes_of_any_buffer_are_a_mesh_without_building(tmp_path):
     shared = SharedMemory(create=True, size=len(baked))
     try:
         shared.buf[: len(baked)] = baked
-        array = np.frombuffer(b"." + baked, np.uint8)[1:]  # aligned for nothing
+        array = np.frombuffer(b"." + baked, np.uint8)[1:]  # not aligned
         with (
             open(tmp_path / "human.impinge", "rb") as file,
             mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as map_,
@@ -168,7 +168,7 @@ def test_bytes_of_any_buffer_are_a_mesh_without_building(tmp_path):
         wide = np.frombuffer(baked + b"\0" * (-len(baked) % 8), np.uint64)
         if len(baked) % 8 == 0:
             meshes.append(impinge.Mesh.from_baked(wide.reshape(1, -1)))
-        shared.buf[:] = b"\0" * len(shared.buf)  # which the mesh does not see: it is a copy
+        shared.buf[:] = b"\0" * len(shared.buf)  # does not affect the mesh, which is a copy
     finally:
         shared.close()
         shared.unlink()
@@ -186,7 +186,7 @@ def test_bytes_of_any_buffer_are_a_mesh_without_building(tmp_path):
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="shared memory has paths on Linux")
-def test_shared_memory_is_mapped_where_it_lies():
+def test_shared_memory_with_a_path_is_mapped():
     mesh, poses = impinge.Mesh(*torus()), random_poses(10, 2.5, 6)
     baked = mesh.to_baked()
     shared = SharedMemory(create=True, size=len(baked))
@@ -207,7 +207,7 @@ def test_shared_memory_is_mapped_where_it_lies():
     assert np.array_equal(impinge.intersects(opened, mesh, None, poses), impinge.intersects(mesh, mesh, None, poses))
 
 
-def test_baked_files_are_judged(tmp_path):
+def test_corrupt_baked_files_raise_an_error(tmp_path):
     path = tmp_path / "cube.impinge"
     impinge.Mesh(*cube()).bake(path)
     whole = path.read_bytes()
@@ -226,7 +226,7 @@ def test_baked_files_are_judged(tmp_path):
     assert impinge.load(baked, "mm").vertices.max() == 1000
 
 
-def test_units_are_converted_where_a_file_states_one(tmp_path):
+def test_units_are_converted_if_a_file_states_one(tmp_path):
     stated, silent = tmp_path / "metres.gltf", tmp_path / "silent.obj"
     stated.write_text(GLTF)
     silent.write_text(OBJ)
@@ -241,14 +241,14 @@ def test_units_are_converted_where_a_file_states_one(tmp_path):
     assert (caught.value.kind, caught.value.what) == ("unit", "unit")
 
 
-def test_what_was_left_out_is_warned_of(tmp_path):
+def test_skipped_content_gives_a_warning(tmp_path):
     path = tmp_path / "odd.obj"
     path.write_text(OBJ + "f 1 2\n")
     with pytest.warns(impinge.LoadWarning, match="fewer than three corners"):
         assert impinge.load(path).face_count == 3
 
 
-def test_broken_files_are_named(tmp_path):
+def test_errors_name_the_broken_file(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"absent\.obj"):
         impinge.load(tmp_path / "absent.obj")
     for name, text, kind, where in [

@@ -1,4 +1,4 @@
-"""Times of impact: of meshes against sampled motions, of single features against closed forms, and shapes of arrays."""
+"""Times of impact: meshes against sampled motions, single features against closed forms."""
 
 import impinge
 import numpy as np
@@ -9,7 +9,7 @@ CUBE, TORUS = impinge.Mesh(*cube()), impinge.Mesh(*torus())
 FLAT = impinge.Mesh(*TRIANGLE)
 
 
-def test_no_sample_before_the_time_meets_and_one_after_it_does():
+def test_sampled_poses_are_apart_before_the_time_and_touch_after_it():
     starts, ends = random_poses(40, 3.0, 1), random_poses(40, 3.0, 2)
     motion = impinge.Motion(starts, ends)
     impact = impinge.time_of_impact(TORUS, CUBE, motion_b=motion)
@@ -24,7 +24,7 @@ def test_no_sample_before_the_time_meets_and_one_after_it_does():
         assert impinge.intersects(TORUS, CUBE, pose_b=motion.at(impact.t_upper[row])[row])
 
 
-def test_a_body_too_fast_for_samples_is_found():
+def test_contact_of_a_fast_body_is_found():
     through = impinge.Motion(impinge.pose([0, 0, 1000]), impinge.pose([0, 0, -1000]))
     impact = impinge.time_of_impact(FLAT, FLAT, motion_b=through)
     assert isinstance(impact.hit, bool)
@@ -32,7 +32,7 @@ def test_a_body_too_fast_for_samples_is_found():
     assert 0.5 - 1e-9 < impact.t_lower <= 0.5
 
 
-def test_what_starts_inside_a_solid_touches_it():
+def test_a_body_that_starts_inside_a_solid_touches_it_at_zero():
     inner = impinge.Mesh(cube()[0] * 0.1, cube()[1])
     assert not impinge.time_of_impact(CUBE, inner).hit
     assert impinge.time_of_impact(CUBE, inner, solid="a").t_upper == 0
@@ -75,14 +75,14 @@ def test_a_screw_turns_about_its_pivot_any_number_of_times():
         (lambda: impinge.ccd.edge_edge(np.zeros((4, 3)), np.full((4, 3), np.inf)), "non-finite", "t1"),
     ],
 )
-def test_bad_input_is_named(make, kind, what):
+def test_errors_name_the_invalid_argument(make, kind, what):
     with pytest.raises(impinge.InputError) as raised:
         make()
     assert raised.value.kind == kind
     assert raised.value.what == what
 
 
-def test_features_in_many_rows():
+def test_feature_queries_accept_leading_axes():
     rng = np.random.default_rng(5)
     t0, t1 = rng.integers(-2, 3, (2, 5000, 4, 3)).astype(float)
     for find in (impinge.ccd.vertex_face, impinge.ccd.edge_edge):

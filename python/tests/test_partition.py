@@ -1,4 +1,4 @@
-"""Partitions of space: every kind against brute force, with boxes full of ties that come, go and move."""
+"""Partitions of space: every kind against brute force, with ties and with boxes that change."""
 
 import copy
 import pickle
@@ -28,53 +28,53 @@ every_kind = pytest.mark.parametrize("made", KINDS.values(), ids=KINDS)
 every_dynamic_kind = pytest.mark.parametrize("made", DYNAMIC.values(), ids=DYNAMIC)
 
 
-def tied(rng, count):
-    """Boxes on a grid, a few of them points, a few huge, and many that touch."""
+def boxes_with_ties(rng, count):
+    """Returns boxes on a grid: a few points, a few huge boxes, and many that touch."""
     low = rng.integers(0, 16, (count, 3)).astype(float)
     size = rng.integers(0, 3, (count, 3)) * rng.choice([0, 0.5, 1, 1, 8], (count, 1))
     return low, low + size
 
 
-def meet(low, high, other_low, other_high):
-    """(n, m): which of n boxes meet which of m."""
+def overlap(low, high, other_low, other_high):
+    """Returns whether each of n boxes overlaps each of m boxes, (n, m)."""
     return ((low[:, None] <= other_high) & (other_low <= high[:, None])).all(axis=2)
 
 
-def met_pairs(low, high):
-    first, second = np.nonzero(np.triu(meet(low, high, low, high), 1))
+def overlapping_pairs(low, high):
+    first, second = np.nonzero(np.triu(overlap(low, high, low, high), 1))
     return np.column_stack([first, second])
 
 
 @every_kind
-def test_all_pairs(made):
+def test_pairs_equal_brute_force(made):
     rng = np.random.default_rng(7)
-    low, high = tied(rng, 150)
-    other_low, other_high = tied(rng, 40)
+    low, high = boxes_with_ties(rng, 150)
+    other_low, other_high = boxes_with_ties(rng, 40)
     held = made(low, high)
     assert len(held) == 150
-    expected = met_pairs(low, high)
+    expected = overlapping_pairs(low, high)
     assert 300 < len(expected) < 6000
     assert np.array_equal(held.pairs(), expected)
     assert np.array_equal(partition.pairs(low, high), expected)
-    across = np.argwhere(meet(low, high, other_low, other_high))
+    across = np.argwhere(overlap(low, high, other_low, other_high))
     for other in (partition.BoxTree(other_low, other_high), made(other_low, other_high)):
         assert np.array_equal(held.pairs_with(other), across)
 
 
 @every_kind
-def test_boxes_and_points(made):
+def test_overlapping_boxes_and_points_equal_brute_force(made):
     rng = np.random.default_rng(8)
-    low, high = tied(rng, 120)
+    low, high = boxes_with_ties(rng, 120)
     held = made(low, high)
-    asked_low, asked_high = tied(rng, 60)
+    asked_low, asked_high = boxes_with_ties(rng, 60)
     found = held.overlapping(asked_low, asked_high)
-    expected = meet(asked_low, asked_high, low, high)
+    expected = overlap(asked_low, asked_high, low, high)
     assert found.shape == (60,)
     assert [row.tolist() for row in found] == [np.flatnonzero(row).tolist() for row in expected]
     assert expected.any(axis=1).sum() > 30
     points = rng.integers(0, 33, (3, 20, 3)) / 2
     at = held.overlapping(points)
-    inside = meet(points.reshape(-1, 3), points.reshape(-1, 3), low, high)
+    inside = overlap(points.reshape(-1, 3), points.reshape(-1, 3), low, high)
     assert at.shape == (3, 20)
     assert np.array_equal(at.counts.ravel(), inside.sum(axis=1))
     assert np.array_equal(held.overlapping(points[1, 4]), at[1, 4])
@@ -84,9 +84,9 @@ def test_boxes_and_points(made):
 
 
 @every_kind
-def test_what_is_near(made):
+def test_nearest_boxes_equal_brute_force(made):
     rng = np.random.default_rng(9)
-    low, high = tied(rng, 90)
+    low, high = boxes_with_ties(rng, 90)
     points = rng.integers(-4, 40, (40, 3)) / 2
     gaps = np.maximum(np.maximum(low - points[:, None], points[:, None] - high), 0)
     squared = (gaps**2).sum(axis=2)
@@ -102,9 +102,9 @@ def test_what_is_near(made):
 
 
 @every_kind
-def test_rays(made):
+def test_rays_enter_the_boxes_of_the_slab_test(made):
     rng = np.random.default_rng(10)
-    low, high = tied(rng, 200)
+    low, high = boxes_with_ties(rng, 200)
     held = made(low, high)
     origins = rng.integers(-6, 24, (200, 3)).astype(float)
     directions = rng.integers(-2, 3, (200, 3)).astype(float)
@@ -114,7 +114,7 @@ def test_rays(made):
     first = held.ray_cast(origins, directions, reach=reach)
     entered = 0
     for row, (origin, direction) in enumerate(zip(origins, directions, strict=True)):
-        # Whole numbers over 1 and 2: no division is rounded.
+        # Integers divided by 1 or 2: no division is rounded.
         with np.errstate(divide="ignore", invalid="ignore"):
             a, b = (low - origin) / direction, (high - origin) / direction
         stands = (low <= origin) & (origin <= high)
@@ -138,17 +138,17 @@ def test_rays(made):
 
 
 @every_dynamic_kind
-def test_boxes_come_go_and_move(made):
+def test_steps_report_the_changes_of_brute_force(made):
     rng = np.random.default_rng(11)
-    low, high = tied(rng, 60)
+    low, high = boxes_with_ties(rng, 60)
     held = made(low, high)
     own = {key: (low[key], high[key]) for key in range(60)}
-    before = {tuple(pair) for pair in met_pairs(low, high)}
+    before = {tuple(pair) for pair in overlapping_pairs(low, high)}
     began = ended = 0
     for _ in range(60):
         removed = rng.choice(list(own), 2, replace=False)
         keys = np.setdiff1d(rng.integers(0, 80, 12), removed)
-        low, high = tied(rng, len(keys))
+        low, high = boxes_with_ties(rng, len(keys))
         if rng.random() < 0.2:
             low[:, 0], high[:, 0] = low[:, 0] + 1e6, high[:, 0] + 1e6
         changes = held.step(keys, low, high, removed=removed)
@@ -157,7 +157,7 @@ def test_boxes_come_go_and_move(made):
             del own[int(key)]
         there = np.array(sorted(own))
         low, high = (np.array([own[key][end] for key in sorted(own)]) for end in (0, 1))
-        now = {tuple(pair) for pair in there[met_pairs(low, high)].tolist()}
+        now = {tuple(pair) for pair in there[overlapping_pairs(low, high)].tolist()}
         assert [tuple(pair) for pair in changes.began.tolist()] == sorted(now - before)
         assert [tuple(pair) for pair in changes.ended.tolist()] == sorted(before - now)
         assert [tuple(pair) for pair in held.pairs().tolist()] == sorted(now)
@@ -169,7 +169,7 @@ def test_boxes_come_go_and_move(made):
 
 
 @every_dynamic_kind
-def test_copies_go_their_own_ways(made):
+def test_copies_are_independent(made):
     held = made([[0, 0, 0], [4, 0, 0]], [[1, 1, 1], [5, 1, 1]])
     other, third = copy.copy(held), copy.deepcopy(held)
     held.step([1], [[1, 0, 0]], [[2, 1, 1]])
@@ -183,7 +183,7 @@ def test_copies_go_their_own_ways(made):
     assert (np.abs(around) <= 6).all()
 
 
-def test_what_they_do_to_space():
+def test_each_kind_reports_its_cells():
     assert {name: made([[0.0, 0, 0]]).cells for name, made in KINDS.items()} == {
         "box tree": "volumes",
         "box tree with a margin": "volumes",
@@ -200,7 +200,7 @@ def test_what_they_do_to_space():
 
 
 @every_kind
-def test_none(made):
+def test_an_empty_partition_finds_nothing(made):
     held = made(np.zeros((0, 3)), np.zeros((0, 3)))
     assert (len(held), held.bounds, len(held.pairs())) == (0, None, 0)
     assert held.ray_cast([0, 0, 0], [1, 0, 0]).key == -1
@@ -215,7 +215,7 @@ def fault(call):
     return raised.value.kind, raised.value.what, raised.value.where
 
 
-def test_what_is_refused():
+def test_errors_name_the_invalid_argument():
     low, high = [[0, 0, 0], [1, 1, 1]], [[1, 1, 1], [2, 2, 0.5]]
     assert fault(lambda: partition.BoxTree(low, high)) == ("order", "high", (1,))
     assert fault(lambda: partition.pairs([[0, 0, 0], [0, np.nan, 0]])) == ("non-finite", "low", (1,))
@@ -241,7 +241,7 @@ def test_what_is_refused():
     assert tree.boxes().tolist() == [[[0, 0, 0], [1, 1, 1]]], "nothing was moved"
 
 
-def test_keys_stay_dense():
+def test_sparse_keys_raise_an_error():
     tree = partition.BoxTree()
     tree.step([2**20 - 1], [[0, 0, 0]])
     assert tree.keys.tolist() == [2**20 - 1]
@@ -257,7 +257,7 @@ def test_keys_stay_dense():
     assert again.keys.tolist() == tree.keys.tolist() == [2**20 - 1, 2**20 + 5]
 
 
-def test_questions_are_answered_from_what_was_there():
+def test_a_query_uses_the_boxes_at_its_start():
     rng = np.random.default_rng(12)
     low = rng.uniform(0, 30, (2000, 3))
     tree = partition.HashedGrid(2.0, low, low + 1)
@@ -280,5 +280,5 @@ def test_questions_are_answered_from_what_was_there():
             thread.join()
     assert expected > 400
     assert len(seen) > 3
-    # Moved as one, the boxes meet as before but for what the sums' rounding does to few.
+    # All boxes move together, so few pairs change, and only by rounding of the sums.
     assert all(abs(count - expected) < 5 for count in seen)

@@ -1,4 +1,4 @@
-"""Points and rays against one mesh: brute force, laws, and arrays as they come (NASTY N1, N8, N31)."""
+"""Points and rays against one mesh: brute force, laws, and array arguments of any kind."""
 
 import impinge
 import numpy as np
@@ -14,7 +14,7 @@ RNG = np.random.default_rng(3)
 POINTS = RNG.uniform(-1.6, 1.6, (300, 3)) * [1, 1, 0.4]
 
 
-def test_nearest_points_against_brute_force():
+def test_nearest_points_equal_brute_force():
     distances = surface_distances(torus(), POINTS)
     near = TORUS.closest_point(POINTS)
     assert np.allclose(near.distance, distances.min(axis=1), rtol=0, atol=1e-12)
@@ -24,7 +24,7 @@ def test_nearest_points_against_brute_force():
     assert np.allclose(distances[np.arange(len(POINTS)), near.face], near.distance, rtol=0, atol=1e-12)
 
 
-def test_winding_numbers_against_solid_angles():
+def test_winding_numbers_equal_sums_of_solid_angles():
     shells = (np.concatenate([torus()[0], cube()[0]]), np.concatenate([torus()[1], cube()[1] + len(torus()[0])]))
     opened = (torus()[0], torus()[1][:-60])
     for mesh in (torus(), shells, opened):
@@ -40,7 +40,7 @@ def test_winding_numbers_against_solid_angles():
     assert set(impinge.Mesh(*shells).winding_number(POINTS).tolist()) == {0.0, 1.0}
 
 
-def test_the_surface_is_exact():
+def test_points_next_to_the_surface_are_decided_exactly():
     on = np.array([[0.5, 0.5, 0.5], [0.5, 0.25, -0.125], [-0.5, 0.0, 0.0], [0.5, 0.5, 0.3]])
     assert CUBE.contains(on).all()
     assert (CUBE.signed_distance(on) == 0).all()
@@ -58,8 +58,8 @@ cells = st.lists(st.tuples(*[small] * 9), min_size=1, max_size=2)
 
 @settings(max_examples=40)
 @given(corners=cells, origin=st.tuples(*[small] * 3), direction=st.tuples(*[small] * 3).filter(any))
-def test_rays_on_a_grid_against_rational_arithmetic(corners, origin, direction):
-    """A ray is a segment that is long enough, and a segment is a triangle without area."""
+def test_rays_on_a_grid_equal_rational_arithmetic(corners, origin, direction):
+    """The oracle treats a ray as a long segment, which is a triangle without area."""
     mesh = (np.array(corners, float).reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
     origin, direction = np.array(origin, float), np.array(direction, float)
     ray = (np.array([origin, origin + 16 * direction]), np.array([[0, 1, 1]]))
@@ -79,10 +79,10 @@ def test_rays_on_a_grid_against_rational_arithmetic(corners, origin, direction):
         assert (first.t, first.face, first.point.tolist()) == (np.inf, -1, [0, 0, 0])
 
 
-def test_a_closed_mesh_is_left_as_often_as_it_is_entered():
+def test_rays_leave_a_closed_mesh_as_often_as_they_enter_it():
     rays = RNG.uniform(-2, 2, (400, 3)), RNG.normal(size=(400, 3))
     rays[0][::4] *= 0.2
-    rays[1][::2] -= rays[0][::2]  # towards the middle
+    rays[1][::2] -= rays[0][::2]  # towards the center
     outside = ~TORUS.contains(rays[0])
     hits = TORUS.ray_cast_all(*rays)
     assert 0.2 < (hits.counts > 0).mean() < 0.9
@@ -95,7 +95,7 @@ def test_a_closed_mesh_is_left_as_often_as_it_is_entered():
     assert (first.face[~first.hit] == -1).all()
 
 
-def test_rays_broadcast_and_are_cut():
+def test_rays_broadcast_and_results_can_be_indexed():
     origins, directions = RNG.uniform(-2, 2, (3, 1, 3)), RNG.normal(size=(4, 3))
     first, every = TORUS.ray_cast(origins, directions), TORUS.ray_cast_all(origins, directions)
     assert first.hit.shape == first.t.shape == first.face.shape == every.shape == every.counts.shape == (3, 4)
@@ -114,7 +114,7 @@ METHODS = ["closest_point", "signed_distance", "winding_number", "contains"]
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_one_point_in_one_number_out(method):
+def test_a_single_point_gives_a_plain_number(method):
     ask = getattr(TORUS, method)
     many = ask(POINTS[:6].reshape(2, 3, 3))
     for at in np.ndindex(2, 3):
@@ -130,7 +130,7 @@ def test_one_point_in_one_number_out(method):
     assert np.shape(getattr(ask(np.zeros((0, 5, 3))), "distance", ask(np.zeros((0, 5, 3))))) == (0, 5)
 
 
-def test_an_empty_mesh():
+def test_an_empty_mesh_has_no_points_and_no_hits():
     empty = impinge.Mesh([], [])
     near = empty.closest_point([[1, 2, 3]])
     assert (near.distance.tolist(), near.face.tolist(), near.point.tolist()) == ([np.inf], [-1], [[0, 0, 0]])
@@ -140,7 +140,7 @@ def test_an_empty_mesh():
     assert len(empty.ray_cast_all([0, 0, 0], [1, 0, 0]).t) == 0
 
 
-def test_any_number_of_threads_answers_the_same():
+def test_the_number_of_threads_does_not_change_the_answer():
     points = RNG.uniform(-2, 2, (5_000, 3))
     answers = []
     for n in (1, 2, 5):
@@ -168,7 +168,7 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("kind", "where", "wrong"), WRONG)
-def test_what_is_wrong_is_named(kind, where, wrong):
+def test_errors_name_the_invalid_array(kind, where, wrong):
     calls = [(name, "points", lambda name=name: getattr(CUBE, name)(wrong)) for name in METHODS]
     for cast in (CUBE.ray_cast, CUBE.ray_cast_all):
         calls.append((cast, "origins", lambda cast=cast: cast(wrong, [0, 0, 1])))
@@ -179,7 +179,7 @@ def test_what_is_wrong_is_named(kind, where, wrong):
         assert (caught.value.kind, caught.value.what, caught.value.where) == (kind, what, where)
 
 
-def test_the_limit_of_solids_is_lower():
+def test_queries_on_solids_have_a_lower_coordinate_limit():
     far = [2.0**128, 0, 0]
     assert CUBE.closest_point(far).distance == pytest.approx(2.0**128)
     for ask in (CUBE.signed_distance, CUBE.winding_number, CUBE.contains):
@@ -187,7 +187,7 @@ def test_the_limit_of_solids_is_lower():
             ask(far)
 
 
-def test_a_direction_of_zero():
+def test_a_zero_direction_raises_an_error():
     with pytest.raises(impinge.InputError) as caught:
         CUBE.ray_cast([0, 0, 0], [[[0, 0, 1], [0, 0, -0.0]]])
     assert (caught.value.kind, caught.value.what, caught.value.where) == ("zero-direction", "directions", (0, 1))
@@ -201,8 +201,8 @@ def test_a_direction_of_zero():
     shape=st.lists(st.integers(0, 4), max_size=4).map(tuple),
     role=st.sampled_from([*METHODS, "origins", "directions", "cloud", "hull"]),
 )
-def test_no_array_crashes(data, dtype, shape, role):
-    """Whatever the array, there is an answer of its shape or an `InputError` that names it: never another exception."""
+def test_any_array_is_accepted_or_raises_an_input_error(data, dtype, shape, role):
+    """Any array gives an answer of its shape, or an `InputError` that names it."""
     size = int(np.prod(shape))
     array = np.array(data.draw(st.lists(st.integers(-3, 6), min_size=size, max_size=size))).reshape(shape).astype(dtype)
     if array.ndim:

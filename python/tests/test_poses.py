@@ -1,4 +1,4 @@
-"""Poses: how they broadcast, what is wrong with them, and the matrices that `impinge.pose` makes."""
+"""Poses: broadcasting, errors, and the matrices that `impinge.pose` makes."""
 
 import impinge
 import numpy as np
@@ -43,7 +43,7 @@ def test_leading_axes_broadcast_as_in_numpy(shapes):
         assert all(map(np.array_equal, lines, expected))
 
 
-def test_the_shapes_that_the_design_names():
+def test_results_have_the_broadcast_shape_of_the_poses():
     n, m = random_poses(3, 1, 0), random_poses(4, 1, 1)
     assert impinge.intersects(CUBE, CUBE, n, n[0]).shape == (3,)
     assert impinge.intersects(CUBE, CUBE, n, n[::-1]).shape == (3,)
@@ -53,7 +53,7 @@ def test_the_shapes_that_the_design_names():
     assert impinge.intersection_curves(CUBE, CUBE, n[:0]) == []
 
 
-def test_pairs_of_two_axes():
+def test_pairs_have_both_leading_axes():
     n, m = random_poses(3, 0.8, 0), random_poses(4, 0.8, 1)
     pairs = impinge.intersecting_pairs(CUBE, CUBE, n[:, None], m)
     assert pairs.shape == (3, 4)
@@ -85,9 +85,9 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("kind", "where", "status", "pose"), WRONG)
-def test_a_bad_pose_is_named_or_answered_safely(kind, where, status, pose):
+def test_an_invalid_pose_raises_or_gets_the_safe_answer(kind, where, status, pose):
     poses = np.stack([np.eye(4)] * 6).reshape(2, 3, 4, 4)
-    poses[..., 0, 3] = 5  # clear
+    poses[..., 0, 3] = 5  # apart
     poses[1, 2] = pose
     for side, what in ((0, "pose_a"), (1, "pose_b")):
         given_poses = [None, None]
@@ -110,7 +110,7 @@ def test_a_bad_pose_is_named_or_answered_safely(kind, where, status, pose):
         assert statuses == status
 
 
-def test_a_transposed_matrix_is_hinted_at():
+def test_a_transposed_matrix_gets_a_hint():
     with pytest.raises(impinge.InputError, match="looks transposed") as caught:
         impinge.intersects(MESH, MESH, impinge.pose([1, 2, 3]).T)
     assert caught.value.hint == "looks transposed"
@@ -119,13 +119,13 @@ def test_a_transposed_matrix_is_hinted_at():
 @pytest.mark.parametrize(
     "wrong", [np.eye(3), np.eye(4)[0], np.zeros((4, 4, 3)), "pose", 1.0, np.eye(4, dtype=int), [[1]]]
 )
-def test_what_is_no_matrix(wrong):
+def test_arguments_that_are_not_poses_raise_an_error(wrong):
     with pytest.raises(impinge.InputError) as caught:
         impinge.intersects(MESH, MESH, wrong)
     assert caught.value.what == "pose_a"
 
 
-def test_options_are_judged():
+def test_invalid_options_raise_an_error():
     with pytest.raises(impinge.InputError, match="on_error"):
         impinge.intersects(MESH, MESH, on_error="ignore")
     for limit in (-1, 1.5, True, "1"):
@@ -173,7 +173,7 @@ def test_pose_makes_the_matrices_of_rotations():
         ("option", {"rpy": [0, 0, 0], "rotation": np.eye(3)}),
     ],
 )
-def test_what_is_no_rotation(kind, given):
+def test_invalid_rotations_raise_an_error(kind, given):
     with pytest.raises(impinge.InputError) as caught:
         impinge.pose(**given)
     assert caught.value.kind == kind

@@ -20,7 +20,7 @@ def twisted(vertices, turns):
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_answers_are_those_of_a_new_mesh(dtype):
+def test_a_refitted_mesh_answers_like_a_new_mesh(dtype):
     vertices, faces = torus(along=80, around=40)
     mesh, other = impinge.Mesh(vertices.astype(dtype), faces), impinge.Mesh(*cube())
     for turns in (0.5, 3.0, 0.0):
@@ -39,7 +39,7 @@ def test_answers_are_those_of_a_new_mesh(dtype):
     assert mesh.aging == pytest.approx(1.0)
 
 
-def test_an_aged_mesh_can_be_built_anew():
+def test_rebuild_resets_aging_and_keeps_answers():
     rng = np.random.default_rng(1)
     vertices, faces = torus()
     mesh = impinge.Mesh(vertices, faces)
@@ -57,7 +57,7 @@ def test_an_aged_mesh_can_be_built_anew():
     assert (raised.value.kind, raised.value.what) == ("option", "builder")
 
 
-def test_a_failed_refit_leaves_the_mesh_as_it_was():
+def test_a_failed_refit_does_not_change_the_mesh():
     vertices, faces = cube()
     mesh = impinge.Mesh(vertices, faces)
     for bad, kind in [(np.full((8, 3), np.nan), "non-finite"), (vertices[:7], "shape"), (vertices[:, :2], "shape")]:
@@ -69,7 +69,7 @@ def test_a_failed_refit_leaves_the_mesh_as_it_was():
     assert impinge.intersects(mesh, mesh)
 
 
-def test_arrays_taken_before_stay():
+def test_arrays_returned_before_a_refit_do_not_change():
     vertices, faces = cube()
     mesh = impinge.Mesh(vertices, faces)
     before = mesh.vertices
@@ -80,7 +80,7 @@ def test_arrays_taken_before_stay():
     assert np.array_equal(pickle.loads(pickle.dumps(mesh)).vertices, vertices + 1)
 
 
-def test_calls_from_other_threads_see_one_of_the_places():
+def test_concurrent_calls_see_the_mesh_before_or_after_a_refit():
     vertices, faces = torus()
     mesh, wall = impinge.Mesh(vertices, faces), impinge.Mesh(*cube())
     far = vertices + np.array([10, 0, 0])

@@ -1,4 +1,4 @@
-"""Repair on request, and what it reports."""
+"""Repair of meshes, and its reports."""
 
 import itertools
 
@@ -16,7 +16,7 @@ FACES = np.array(
 CUBE = impinge.Mesh(CORNERS, FACES)
 
 
-def test_a_cube_with_three_sides_turned_has_an_inside_once_it_is_oriented():
+def test_orienting_closes_a_cube_with_three_turned_sides():
     turned = FACES.copy()
     rows = [0, 1, 4, 5, 8, 9]
     turned[rows] = turned[rows][:, ::-1]
@@ -30,11 +30,11 @@ def test_a_cube_with_three_sides_turned_has_an_inside_once_it_is_oriented():
     assert repaired.contains([5, 5, 5])
     assert impinge.intersects(repaired, inner, solid=True)
     assert not impinge.penetrates(repaired, CUBE, pose_b=impinge.pose([19, 0, 0]))
-    assert not mesh.is_closed  # the old one is as it was
+    assert not mesh.is_closed  # the original is unchanged
     assert len(repaired.repaired(orient=True)[1].turned_faces) == 0
 
 
-def test_a_cracked_cube_is_closed_by_the_tolerance_that_it_names():
+def test_welding_at_the_closing_tolerance_closes_a_cracked_cube():
     soup = CORNERS[FACES].reshape(-1, 3)
     soup[np.random.default_rng(5).random(36) < 0.3] += 2.7e-16
     soup = soup + np.random.default_rng(6).uniform(-1e-9, 1e-9, soup.shape)
@@ -52,7 +52,7 @@ def test_a_cracked_cube_is_closed_by_the_tolerance_that_it_names():
     assert "28 vertices welded by at most" in repr(repair)
 
 
-def test_what_no_tolerance_is():
+def test_invalid_options_raise_an_error():
     for weld, kind in ((-1.0, "negative"), (float("nan"), "non-finite"), (float("inf"), "non-finite"), ("1", "type")):
         with pytest.raises(impinge.InputError) as error:
             CUBE.repaired(weld=weld)

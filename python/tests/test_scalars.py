@@ -1,4 +1,4 @@
-"""Numbers, flags, options and paths: what is none is an `InputError` that names the argument, wherever it is taken."""
+"""Invalid numbers, flags, options and paths raise an `InputError` that names the argument."""
 
 from pathlib import Path
 
@@ -31,11 +31,11 @@ def enter(n):
         return impinge.intersects(MESH, MESH)
 
 
-NO_NUMBERS = [True, np.True_, "7", b"7", 1j, np.complex128(1), np.array([1]), [], {}, object()]
-NO_WHOLE = [*NO_NUMBERS, 0.5, 2.0, np.nan, np.inf, np.float32(2), 2**70, -(2**70), 10**5000, -1]
-NO_REAL = [*NO_NUMBERS, None, np.nan, 10**400, -(10**5000)]
+NOT_NUMBERS = [True, np.True_, "7", b"7", 1j, np.complex128(1), np.array([1]), [], {}, object()]
+NOT_INTEGERS = [*NOT_NUMBERS, 0.5, 2.0, np.nan, np.inf, np.float32(2), 2**70, -(2**70), 10**5000, -1]
+NOT_REALS = [*NOT_NUMBERS, None, np.nan, 10**400, -(10**5000)]
 
-WHOLE = [
+INTEGERS = [
     ("limit", lambda r, x: impinge.intersecting_pairs(MESH, MESH, limit=x)),
     ("n", lambda r, x: enter(x)),
     ("most_points", lambda r, x: impinge.contacts(BALL, BALL, most_points=x)),
@@ -56,7 +56,7 @@ WHOLE = [
     ("size", lambda r, x: impinge.show(MESH, MESH, size=(64, x))),
     ("num_max_contacts", lambda r, x: collided(x)),
 ]
-"""Where one whole number is taken."""
+"""Calls that take one integer, by the name of the argument."""
 
 REAL = [
     ("clearance", lambda r, x: impinge.within(MESH, MESH, x)),
@@ -83,9 +83,9 @@ REAL = [
     ("y", lambda r, x: fcl.Box(1, x, 1)),
     ("d", lambda r, x: fcl.Halfspace(ALONG, x)),
 ]
-"""Where one number is taken."""
+"""Calls that take one real number, by the name of the argument."""
 
-NUMBERS = [
+INTEGER_ARRAYS = [
     ("bodies", lambda x: world().remove(x)),
     ("bodies", lambda x: world().poses(x)),
     ("body", lambda x: world().pairs(x)),
@@ -98,7 +98,7 @@ NUMBERS = [
     ("removed", lambda x: TREE.step([0], [ORIGIN], [ALONG], removed=x)),
     ("faces", lambda x: impinge.Mesh(cube()[0], [[0, 1, x]])),
 ]
-"""Where whole numbers are taken, one or many."""
+"""Calls that take one or many integers, by the name of the argument."""
 
 FLAGS = [
     ("progress", lambda x: impinge.intersects(MESH, MESH, progress=x)),
@@ -150,28 +150,28 @@ def ids(table):
     return [f"{number}-{row[0]}" for number, row in enumerate(table)]
 
 
-@pytest.mark.parametrize(("name", "ask"), WHOLE, ids=ids(WHOLE))
-def test_what_is_no_whole_number_is_refused_by_name(name, ask, robot):
-    assert [refused(ask, robot, wrong) for wrong in NO_WHOLE] == [name] * len(NO_WHOLE)
+@pytest.mark.parametrize(("name", "ask"), INTEGERS, ids=ids(INTEGERS))
+def test_invalid_integers_raise_an_error_with_the_name(name, ask, robot):
+    assert [refused(ask, robot, wrong) for wrong in NOT_INTEGERS] == [name] * len(NOT_INTEGERS)
     for right in (64,) if name in ("size", "volumes", "pieces") else (2, np.int64(2), np.uint8(2), np.array(2)):
         ask(robot, right)
 
 
 @pytest.mark.parametrize(("name", "ask"), REAL, ids=ids(REAL))
-def test_what_is_no_number_is_refused_by_name(name, ask, robot):
-    assert [refused(ask, robot, wrong) for wrong in NO_REAL] == [name] * len(NO_REAL)
+def test_invalid_numbers_raise_an_error_with_the_name(name, ask, robot):
+    assert [refused(ask, robot, wrong) for wrong in NOT_REALS] == [name] * len(NOT_REALS)
     for right in (0.75, 1, np.float32(0.75), np.int8(1), np.array(0.75)):
         ask(robot, right)
 
 
-@pytest.mark.parametrize(("name", "ask"), NUMBERS, ids=ids(NUMBERS))
-def test_what_are_no_whole_numbers_is_refused_by_name(name, ask):
+@pytest.mark.parametrize(("name", "ask"), INTEGER_ARRAYS, ids=ids(INTEGER_ARRAYS))
+def test_invalid_integer_arrays_raise_an_error_with_the_name(name, ask):
     for wrong in (2**70, [2**65], -1, [[1], [1, 2]], 0.5, [True], "7", [None], {}, 1j):
         assert refused(ask, wrong) == name
 
 
 @pytest.mark.parametrize(("name", "ask"), FLAGS, ids=ids(FLAGS))
-def test_what_is_neither_true_nor_false_is_refused_by_name(name, ask):
+def test_invalid_flags_raise_an_error_with_the_name(name, ask):
     for wrong in (0, 1, 2**70, 0.5, "yes", None, [], np.array([True, False])):
         assert refused(ask, wrong) == name
     for right in (True, False, np.True_):
@@ -179,19 +179,19 @@ def test_what_is_neither_true_nor_false_is_refused_by_name(name, ask):
 
 
 @pytest.mark.parametrize(("name", "ask"), OPTIONS, ids=ids(OPTIONS))
-def test_what_is_no_option_is_refused_by_name(name, ask):
+def test_invalid_options_raise_an_error_with_the_name(name, ask):
     for wrong in (2**70, 0.5, True, b"x", 1j, object(), [1], np.array([1, 2])):
         assert refused(ask, wrong) == name
 
 
-def test_the_ends_of_a_capsule_are_named():
+def test_errors_name_the_ends_of_a_capsule():
     for wrong in ([np.nan, 0, 0], [0, 0, 2.0**128], [0, 0], "end"):
         assert refused(impinge.Shape.capsule, wrong, ORIGIN, 1) == "start"
         assert refused(impinge.Shape.capsule, ORIGIN, wrong, 1) == "end"
 
 
-def test_animations_are_names_or_whole_numbers(robot):
-    """Of 0.5 and True, which are less than the number of animations, nobody knows which is meant."""
+def test_animations_are_names_or_integers(robot):
+    """0.5 and True are rejected, although they are less than the number of animations."""
     for wrong in (0.5, 1.0, True, np.True_, np.float64(0)):
         assert refused(robot.at, wrong) == "animation"
     assert np.array_equal(robot.at(np.int64(1), 0.2).frames, robot.at(robot.animations[1].name, 0.2).frames)

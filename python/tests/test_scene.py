@@ -1,4 +1,4 @@
-"""Scenes: every pair of every configuration, as a loop over single questions answers it."""
+"""Scenes: every pair of every configuration equals a loop over single queries."""
 
 from itertools import combinations
 
@@ -31,7 +31,7 @@ POSES = {
 }
 
 
-def test_a_check_equals_a_loop():
+def test_a_check_equals_a_loop_over_single_queries():
     scene = impinge.Scene(PARTS, ignored=[("hand", "arm"), ("tool", "hand")])
     assert len(scene.pairs) == 8
     assert ("arm", "hand") not in scene.pairs
@@ -55,7 +55,7 @@ def test_a_check_equals_a_loop():
         _ = first.worst
 
 
-def test_a_single_configuration():
+def test_a_single_configuration_has_no_axes():
     scene = impinge.Scene({"a": CUBE, "b": CUBE, "c": TORUS})
     report = scene.check({"b": impinge.pose([1, 0, 0]), "c": impinge.pose([9, 0, 0])}, stop="all")
     assert report.intersects is True
@@ -64,7 +64,7 @@ def test_a_single_configuration():
     assert scene.check({"b": impinge.pose([5, 0, 0]), "c": impinge.pose([9, 0, 0])}).names() == []
 
 
-def test_scenes_of_few_parts_and_no_configurations():
+def test_scenes_without_pairs_or_configurations_find_nothing():
     for parts in ({}, {"alone": CUBE}):
         for stop in ("first", "all"):
             report = impinge.Scene(parts).check({name: random_poses(3, 1, 0) for name in parts}, stop=stop)
@@ -76,7 +76,7 @@ def test_scenes_of_few_parts_and_no_configurations():
         _ = empty.worst
 
 
-def test_a_bad_pose_counts_as_meeting_all():
+def test_a_part_with_an_invalid_pose_intersects_all_near_parts():
     scene = impinge.Scene({"a": CUBE, "b": CUBE, "c": CUBE})
     poses = {"b": impinge.pose([[5, 0, 0]] * 3), "c": impinge.pose([0, 9, 0])}
     poses["b"][1, 0, 0] = np.nan
@@ -90,7 +90,7 @@ def test_a_bad_pose_counts_as_meeting_all():
     assert (alone.first, alone.status) == (0, 1)
 
 
-def test_every_question_about_shapes_and_meshes_equals_a_loop():
+def test_every_question_on_shapes_and_meshes_equals_a_loop():
     ball, floor = impinge.Shape.sphere(0.5), impinge.Shape.half_space([0, 0, 1], -1.5)
     parts = {
         "ring": TORUS,
@@ -138,11 +138,11 @@ def test_every_question_about_shapes_and_meshes_equals_a_loop():
         ('poses["b"]', lambda: impinge.Scene({"a": CUBE, "b": CUBE}).check({"a": TWO, "b": THREE})),
     ],
 )
-def test_what_is_wrong_is_named(what, make):
+def test_errors_name_the_invalid_argument(what, make):
     with pytest.raises(impinge.InputError) as caught:
         make()
     assert caught.value.what == what
 
 
-def test_scene_pairs_are_all_pairs():
+def test_pairs_are_all_combinations_of_parts():
     assert impinge.Scene(PARTS).pairs == tuple(combinations(PARTS, 2))

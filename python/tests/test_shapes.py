@@ -24,7 +24,7 @@ ALL = [*ROUND, *FLAT, Shape.half_space([1, 2, 2], -1.5), TORUS, Shape.mesh(TORUS
 ALL += [Shape.compound([(UNIT, pose([1, 0, 0])), (TORUS, None)])]
 
 
-def test_balls_and_pills_are_as_far_apart_as_their_cores():
+def test_distances_of_spheres_and_capsules_equal_closed_forms():
     rng = np.random.default_rng(1)
     centers, radii = rng.uniform(-1.5, 1.5, (200, 2, 3)), np.array([0.9, 0.6])
     far = np.linalg.norm(centers[:, 1] - centers[:, 0], axis=1) - radii.sum()
@@ -41,7 +41,7 @@ def test_balls_and_pills_are_as_far_apart_as_their_cores():
     assert np.array_equal(np.linalg.norm(deep.normal, axis=1).round(9), (far <= 0).astype(float))
     for clearance in (0.0, 0.5, 2.0, inf):
         assert np.array_equal(impinge.within(a, b, clearance, *poses), far <= clearance)
-    # A pill along z: as a ball about the nearest point of its segment.
+    # A capsule along z equals a sphere about the nearest point of its segment.
     pill = Shape.capsule([0, 0, -1], [0, 0, 1], 0.25)
     between = centers[:, 1] - centers[:, 0]
     between[:, 2] -= between[:, 2].clip(-1, 1)
@@ -49,7 +49,7 @@ def test_balls_and_pills_are_as_far_apart_as_their_cores():
     assert np.allclose(impinge.distance(pill, b, *poses).distance, np.maximum(far, 0), atol=1e-12)
 
 
-def test_facts_of_others():
+def test_answers_equal_closed_forms_from_fcl_and_coal():
     """Closed forms from the tests of FCL and Coal."""
     far = impinge.distance(Shape.box([3, 5, 1]), Shape.box([1, 1, 1]), None, pose([25, 20, 5]))
     assert far.distance == pytest.approx(sqrt(21**2 + 14**2 + 3**2), rel=1e-12)
@@ -69,7 +69,7 @@ def test_facts_of_others():
     )
     assert deep.depth == pytest.approx(sqrt(2) / 2, rel=1e-12)
     assert np.allclose(deep.normal, [0, 0, -1])
-    cone = Shape.cone(1.5, 1)  # the box goes 20 along x, and meets the cone 8.5 on its way
+    cone = Shape.cone(1.5, 1)  # the box moves 20 along x, and hits the cone after 8.5
     drive = impinge.Motion(pose([-10, 0, 0]), pose([10, 0, 0]))
     found = impinge.time_of_impact(Shape.box([0.5, 1, 1.5]), cone, drive)
     assert found.hit
@@ -77,8 +77,8 @@ def test_facts_of_others():
 
 
 @pytest.mark.parametrize("a", ALL, ids=lambda shape: getattr(shape, "kind", "Mesh"))
-def test_laws(a):
-    """Swapping and moving both change nothing, distances keep to intersections, contacts and penetrations likewise."""
+def test_queries_are_symmetric_invariant_and_consistent(a):
+    """Swapping the shapes or moving both changes nothing, and queries agree with each other."""
     motion = pose([0.5, -2, 1], quat_wxyz=[0.5, 0.5, 0.5, 0.5])
     poses = random_poses(12, 1.4, 7)
     hits = 0
@@ -101,7 +101,7 @@ def test_laws(a):
 
 
 @pytest.mark.parametrize("b", [*ROUND, *FLAT], ids=lambda shape: shape.kind)
-def test_what_is_deep_comes_free(b):
+def test_moving_by_the_depth_separates_the_shapes(b):
     for a in (UNIT, *ROUND):
         poses = random_poses(10, 0.8, 3)
         deep = impinge.penetration(a, b, None, poses)
@@ -112,7 +112,7 @@ def test_what_is_deep_comes_free(b):
         assert not impinge.intersects(a, b, None, moved).any()
 
 
-def test_a_box_is_as_its_mesh():
+def test_a_box_answers_like_its_mesh():
     vertices, faces = cube()
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     box = Shape.compound([(Shape.box((high - low) / 2), pose((high + low) / 2))])
@@ -125,11 +125,11 @@ def test_a_box_is_as_its_mesh():
     assert np.allclose(far, impinge.distance(mesh, probe, None, poses).distance, atol=1e-12)
     surface = impinge.Mesh(*cube())
     assert np.array_equal(
-        impinge.intersects(surface, TORUS, None, poses), impinge.intersects(surface, TORUS, None, poses)
+        impinge.intersects(surface, TORUS, None, poses), impinge.intersects(Shape.mesh(surface), TORUS, None, poses)
     )
 
 
-def test_rays():
+def test_rays_on_shapes_equal_closed_forms_and_meshes():
     rng = np.random.default_rng(9)
     origins, directions = rng.uniform(-3, 3, (300, 3)), rng.normal(size=(300, 3))
     found = Shape.sphere(1.5, [0.5, 0, 0]).ray_cast(origins, directions)
@@ -151,14 +151,14 @@ def test_rays():
     assert (caught.value.kind, caught.value.what) == ("not-rigid", "shape")
 
 
-def test_statuses():
+def test_statuses_of_rows_with_round_shapes():
     poses = pose([[0, 0, 0], [9, 0, 0], [2, 0, 0], [0, 0, 0]])
     poses[3] = np.diag([1, 2, 1, 1])
     ball = Shape.sphere(1)
     with pytest.raises(impinge.InputError, match="rigid") as caught:
         impinge.intersects(ball, UNIT, poses)
     assert (caught.value.kind, caught.value.what, caught.value.where) == ("not-rigid", "pose_a", (3,))
-    assert impinge.intersects(UNIT, UNIT, poses).tolist() == [True, False, False, True]  # any affine map will do
+    assert impinge.intersects(UNIT, UNIT, poses).tolist() == [True, False, False, True]  # any affine map is valid
     hits, status = impinge.intersects(ball, ball, poses, on_error="status")
     assert hits.tolist() == [True, False, True, True]
     assert status.tolist() == [0, 0, 0, impinge.Status.NOT_RIGID]
@@ -173,7 +173,7 @@ def test_statuses():
     assert int(kinds[1]) in (impinge.Status.OK, impinge.Status.UNDECIDED)
 
 
-def test_contacts_as_arrays():
+def test_contacts_are_arrays_with_manifolds_and_ids():
     crates = Shape.compound([(UNIT, pose([0, 0, 0])), (UNIT, pose([3, 0, 0]))])
     floor = Shape.half_space([0, 0, 1], -0.5)
     touch = impinge.contacts(crates, floor)
@@ -195,7 +195,7 @@ def test_contacts_as_arrays():
 
 
 @pytest.mark.parametrize("shape", [shape for shape in ALL if isinstance(shape, Shape)], ids=lambda shape: shape.kind)
-def test_pickles_and_prints(shape):
+def test_shapes_pickle_and_have_a_repr(shape):
     again = pickle.loads(pickle.dumps(shape))
     poses = random_poses(20, 2, 8)
     assert repr(again) == repr(shape)
@@ -207,7 +207,7 @@ def test_pickles_and_prints(shape):
     else:
         low, high = shape.bounds
         assert (low <= high).all()
-        beside = pose(high + 1)  # beyond its box there is nothing
+        beside = pose(high + 1)  # outside of the bounds there is nothing
         assert not impinge.intersects(shape, Shape.sphere(0.5), None, beside)
 
 
@@ -245,7 +245,7 @@ def test_pickles_and_prints(shape):
         ("option", "Shape", Shape),
     ],
 )
-def test_what_is_wrong_is_named(kind, what, make):
+def test_errors_name_the_invalid_argument(kind, what, make):
     with pytest.raises(impinge.InputError) as caught:
         make()
     assert (caught.value.kind, caught.value.what) == (kind, what)
@@ -255,8 +255,8 @@ NUMBERS = st.one_of(st.sampled_from([0.0, 1.0, -1.0, nan, inf, 1e300, 1e-300, 5e
 
 
 @given(st.lists(NUMBERS, min_size=3, max_size=3), NUMBERS, NUMBERS)
-def test_any_numbers(vector, one, other):
-    """Whatever comes in, either it is refused or answers are finite and agree with each other."""
+def test_any_numbers_are_accepted_or_raise_an_input_error(vector, one, other):
+    """Any numbers raise an error, or give finite answers that agree with each other."""
     made = []
     makers = [
         lambda: Shape.sphere(one, vector),
@@ -281,17 +281,17 @@ def test_any_numbers(vector, one, other):
         assert np.isfinite([far.point_a, far.point_b]).all()
 
 
-def test_what_round_shapes_leave_open_is_told_by_every_verb():
+def test_every_query_reports_undecided_round_shapes():
     drum, beside = Shape.cylinder(1, 1), pose([2.0, 0, 0])
     verbs = ["intersects", "distance", "penetration", "contacts"]
-    told = {verb: int(getattr(impinge, verb)(drum, drum, None, beside, on_error="status")[1]) for verb in verbs}
-    told["within"] = int(impinge.within(drum, drum, 0.0, None, beside, on_error="status")[1])
-    assert set(told.values()) == {int(impinge.Status.UNDECIDED)}, told
+    statuses = {verb: int(getattr(impinge, verb)(drum, drum, None, beside, on_error="status")[1]) for verb in verbs}
+    statuses["within"] = int(impinge.within(drum, drum, 0.0, None, beside, on_error="status")[1])
+    assert set(statuses.values()) == {int(impinge.Status.UNDECIDED)}, statuses
     deep = [getattr(impinge, verb)(drum, drum, None, pose([1.5, 0, 0]), on_error="status")[1] for verb in verbs]
     assert [int(status) for status in deep] == [0] * 4
 
 
-def test_nothing_is_within_any_clearance_of_what_is_empty():
+def test_an_empty_mesh_is_not_within_any_clearance():
     empty = impinge.Mesh(np.zeros((0, 3)), np.zeros((0, 3), int))
     ball = Shape.sphere(1)
     for clearance in (1.0, 1e90, 1e97, 1e300, np.inf):
@@ -299,22 +299,22 @@ def test_nothing_is_within_any_clearance_of_what_is_empty():
         assert impinge.within(ball, ball, clearance, None, pose([1e80, 0, 0])) is (clearance > 1e80)
 
 
-def first_of(surfaces):
-    """The least parameter of (n, k) candidates that counts, infinite where none does."""
+def first_parameter(surfaces):
+    """Returns the smallest valid parameter of k candidates, (n,); infinite if none is valid."""
     t, counts = (np.column_stack(columns) for columns in zip(*surfaces, strict=True))
     return np.where(counts, t, np.inf).min(axis=1)
 
 
 def roots(a, b, c):
-    """Both roots of ``a t^2 + 2 b t + c``, NaN where there are none."""
+    """Returns both roots of ``a t^2 + 2 b t + c``; NaN if there are none."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        # Without cancellation.
+        # This form avoids cancellation.
         q = -(b + np.copysign(np.sqrt(b * b - a * c), b))
         return q / a, c / q
 
 
 @pytest.mark.parametrize(("kind", "bound"), [("cylinder", 1e-9), ("cone", 1e-6)])
-def test_rays_meet_what_is_round_where_closed_forms_say(kind, bound):
+def test_rays_on_round_shapes_equal_closed_forms(kind, bound):
     rng = np.random.default_rng(31)
     origin, target = rng.uniform(-4, 4, (600, 3)), rng.uniform(-0.9, 0.9, (600, 3))
     outside = (np.abs(origin) > 1.1).any(axis=1)
@@ -333,12 +333,12 @@ def test_rays_meet_what_is_round_where_closed_forms_say(kind, bound):
         t = (end - z) / w
         radius = 1 - slope * (1 + end)
         candidates.append((t, (t >= 0) & (np.hypot(x + t * u, y + t * v) <= radius)))
-    expected = first_of(candidates)
+    expected = first_parameter(candidates)
     hit = shape.ray_cast(origin, direction)
     sure = np.isfinite(expected)
     assert sure.sum() > 200
     assert hit.hit[sure].all()
-    # Off by what the shape is taken as thicker by, over the cosine at which it is met; few graze it.
+    # The error is the padding of the shape over the cosine of incidence; few rays graze it.
     off = np.abs(hit.t[sure] - expected[sure]) * np.linalg.norm(direction[sure], axis=1)
     assert off.max() < bound
     assert hit.hit.sum() <= sure.sum() + 2

@@ -1,4 +1,4 @@
-"""Pictures: what they show is where it should be."""
+"""Pictures show meshes, intersections and curves at the right place."""
 
 import impinge
 import numpy as np
@@ -13,7 +13,7 @@ def pixels(picture):
 
 
 def struck(picture):
-    """Where a face is marked as meeting the other: red above all."""
+    """Returns the mask of pixels that show intersecting faces: mostly red."""
     r, g, b = np.moveaxis(pixels(picture), -1, 0)
     return (r > g + 60) & (r > b + 30)
 
@@ -23,7 +23,7 @@ def curve(picture):
     return (r > 120) & (g > 80) & (b < 60)
 
 
-def test_struck_faces_and_curves_are_seen(tmp_path):
+def test_intersecting_faces_and_curves_are_visible(tmp_path):
     ring = impinge.Mesh(*torus())
     apart, meeting = impinge.pose([5, 0, 0]), impinge.pose([0.6, 0, 0], rpy=[1.5, 0, 0.2])
     clear = impinge.show(ring, ring, pose_b=apart, size=(320, 240))
@@ -37,8 +37,8 @@ def test_struck_faces_and_curves_are_seen(tmp_path):
     assert np.array_equal(pixels(image.open(path)), pixels(picture))
 
 
-def test_a_picture_shows_right_and_up():
-    """Seen from the front, a marker at +x is on the right, one at the top above, whichever axis points up."""
+def test_right_and_up_of_the_picture_match_the_world():
+    """From the front, a marker at +x and at the top is at the upper right, for either up axis."""
     flat = impinge.Mesh(cube()[0] * [4, 0.1, 4], cube()[1])
     for up, towards in (("z", [0, -1, 0]), ("y", [0, 0, 1])):
         turned = flat if up == "z" else impinge.Mesh(cube()[0] * [4, 4, 0.1], cube()[1])
@@ -51,17 +51,17 @@ def test_a_picture_shows_right_and_up():
         assert rows.max() < 100 < columns.min()
 
 
-def test_nearer_hides_farther():
+def test_nearer_surfaces_hide_farther_ones():
     near, far = (impinge.Mesh(cube()[0] * [2, 0.1, 2] + [0, y, 0], cube()[1]) for y in (-1.0, 1.0))
     opaque_in_front = pixels(impinge.show(near, far, view=(0, 0), size=(100, 100)))[50, 50]
-    glass_in_front = pixels(impinge.show(far, near, view=(0, 0), size=(100, 100)))[50, 50]
-    assert opaque_in_front[0] > opaque_in_front[2]  # sand: what is behind does not shine through
-    assert glass_in_front[2] > opaque_in_front[2]
-    assert glass_in_front[0] > 0.6 * opaque_in_front[0]  # the sand behind the glass
+    transparent_in_front = pixels(impinge.show(far, near, view=(0, 0), size=(100, 100)))[50, 50]
+    assert opaque_in_front[0] > opaque_in_front[2]  # color of a: the opaque mesh hides b
+    assert transparent_in_front[2] > opaque_in_front[2]
+    assert transparent_in_front[0] > 0.6 * opaque_in_front[0]  # color of a, visible through b
 
 
 @pytest.mark.parametrize("focus", ["all", "contact"])
-def test_odd_meshes_make_a_picture_too(focus):
+def test_empty_degenerate_and_distant_meshes_are_rendered(focus):
     empty = impinge.Mesh([], [])
     point = impinge.Mesh([[1, 1, 1]], [[0, 0, 0]])
     far = impinge.Mesh(cube()[0] * 1e30 + 1e31, cube()[1])
@@ -70,13 +70,13 @@ def test_odd_meshes_make_a_picture_too(focus):
             assert impinge.show(a, b, size=(64, 48), focus=focus).size == (64, 48)
 
 
-def test_contact_is_closer_than_all():
+def test_focus_on_contact_zooms_in():
     ring, pin = impinge.Mesh(*torus()), impinge.Mesh(cube()[0] * 0.05 + [0, -1.35, 0], cube()[1])
     views = [struck(impinge.show(ring, pin, size=(160, 120), focus=focus)).sum() for focus in ("all", "contact")]
     assert views[1] > 3 * max(views[0], 1)
 
 
-def test_options_are_judged():
+def test_errors_name_the_invalid_option():
     ring = impinge.Mesh(*torus())
     for wrong in ({"size": (10, 10)}, {"size": (1e3, 100)}, {"up": "x"}, {"focus": "b"}, {"pose_a": np.eye(4)[None]}):
         with pytest.raises(impinge.InputError) as caught:

@@ -1,4 +1,4 @@
-"""BSP trees over the faces of a mesh: to the bit what the mesh itself says."""
+"""BSP trees over the faces of a mesh return bitwise the same answers as the mesh."""
 
 import impinge
 import numpy as np
@@ -9,7 +9,7 @@ SOLIDS = {"cube": cube(), "torus": torus(), "open": (torus()[0], torus()[1][:-60
 
 
 @pytest.mark.parametrize("solid", SOLIDS.values(), ids=SOLIDS)
-def test_points_and_rays(solid):
+def test_points_and_rays_equal_those_of_the_mesh(solid):
     rng = np.random.default_rng(5)
     mesh = impinge.Mesh(*solid)
     tree = impinge.SolidBsp(mesh)
@@ -30,7 +30,7 @@ def test_points_and_rays(solid):
     assert 15 < expected.hit.sum() < 300
 
 
-def test_the_tree_stands_while_the_mesh_moves():
+def test_a_refit_of_the_mesh_does_not_change_the_tree():
     vertices, faces = cube()
     mesh = impinge.Mesh(vertices, faces)
     tree = impinge.SolidBsp(mesh)
@@ -42,7 +42,7 @@ def test_the_tree_stands_while_the_mesh_moves():
     assert repr(tree) == f"<impinge.SolidBsp: {tree.cells} cells, {tree.depth} deep>"
 
 
-def test_what_is_refused():
+def test_invalid_arguments_raise_an_error():
     tree = impinge.SolidBsp(impinge.Mesh(*cube()))
     with pytest.raises(impinge.InputError) as raised:
         tree.contains([[0, 0, 0], [0, 0, np.inf]])

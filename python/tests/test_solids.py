@@ -1,4 +1,4 @@
-"""Solids: boxes on a grid, for which the truth is intervals; interiors that meet; meshes that meet themselves."""
+"""Solids: boxes on a grid, intersecting interiors, and self-intersecting meshes."""
 
 import impinge
 import numpy as np
@@ -20,7 +20,7 @@ def box(size):
 
 @settings(max_examples=60)
 @given(size_a=sides, size_b=sides, offsets=st.lists(grid, min_size=8, max_size=8))
-def test_boxes_on_a_grid(size_a, size_b, offsets):
+def test_boxes_on_a_grid_equal_interval_arithmetic(size_a, size_b, offsets):
     size_a, size_b, offsets = np.array(size_a), np.array(size_b), np.array(offsets, float)
     gap = np.abs(offsets) - (size_a + size_b) / 2
     touch, overlap = (gap <= 0).all(axis=1), (gap < 0).all(axis=1)
@@ -38,7 +38,7 @@ def test_boxes_on_a_grid(size_a, size_b, offsets):
         far = impinge.distance(a, b, None, poses, solid=solid)
         assert ((far.distance == 0) == expected).all()
         assert np.allclose(far.distance[~touch], apart[~touch], rtol=0, atol=1e-12)
-        for clearance in (0.0, 1.0, 5.0):  # a whole clearance is reached exactly, by 3 and 4 too
+        for clearance in (0.0, 1.0, 5.0):  # integer distances, such as 5 from (3, 4), are exact
             near = impinge.within(a, b, clearance, None, poses, solid=solid)
             squared = (np.maximum(gap, 0) ** 2).sum(axis=1)
             assert near[~touch].tolist() == (squared <= clearance**2)[~touch].tolist()
@@ -46,8 +46,8 @@ def test_boxes_on_a_grid(size_a, size_b, offsets):
     assert impinge.penetrates(a, b, None, poses).tolist() == overlap.tolist()
 
 
-def test_the_grid_has_all_kinds():
-    """The generator above would say nothing if boxes never held, touched or missed each other."""
+def test_the_grid_contains_separate_touching_and_overlapping_boxes():
+    """The grid must contain all cases, or the test above is void."""
     offsets = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 3), axis=-1).reshape(-1, 3)
     gap = np.abs(offsets) - (2 + 4) / 2
     kinds = [(gap > 0).any(axis=1), (gap <= 0).all(axis=1) & (gap == 0).any(axis=1), (gap < 0).all(axis=1)]
@@ -58,7 +58,7 @@ def test_the_grid_has_all_kinds():
     assert impinge.intersects(box((1, 1, 1)), box((6, 6, 6)), solid="b")
 
 
-def test_what_is_inside_has_distance_zero_without_a_witness():
+def test_a_body_inside_a_solid_has_distance_zero_and_no_faces():
     far = impinge.distance(UNIT, box((4, 4, 4)), solid=True)
     assert (far.distance, far.lower, far.face_a, far.face_b) == (0, 0, -1, -1)
     assert not far.point_a.any()
@@ -66,12 +66,12 @@ def test_what_is_inside_has_distance_zero_without_a_witness():
     assert surfaces.distance == pytest.approx(1.5)
 
 
-def test_what_is_undecided_is_said():
+def test_undecided_penetration_has_a_status():
     vertices, faces = cube()
     opened = impinge.Mesh(vertices, faces[:-2])
     assert (UNIT.is_closed, opened.is_closed) == (True, False)
     assert impinge.penetrates(opened, opened) is True
-    # Moved across to the hole, walls far from the hole touch each other, and they decide. Moved towards it, none does.
+    # Moved across, walls far from the hole touch and decide. Moved towards the hole, no wall does.
     poses = impinge.pose([[0.25, 0, 0], [0, 0, 0.25], [50, 0, 0], [0, 0, 0]])
     poses[3, 0, 0] = np.nan
     answer, status = impinge.penetrates(opened, UNIT, poses, on_error="status")
@@ -82,7 +82,7 @@ def test_what_is_undecided_is_said():
     assert (closed.tolist(), sure.tolist()) == ([True, True, False], [0, 0, 0])
 
 
-def test_swapping_swaps_nothing_but_the_sides():
+def test_swapping_the_meshes_does_not_change_the_answer():
     a, b = impinge.Mesh(*torus()), UNIT
     poses = random_poses(150, 1.2, 4)
     assert 0.2 < impinge.intersects(a, b, poses).mean() < 0.95
@@ -96,7 +96,7 @@ def test_swapping_swaps_nothing_but_the_sides():
 
 
 @pytest.mark.parametrize("solid", ["c", "both", 2, None, [True], "A"])
-def test_which_is_solid_is_judged(solid):
+def test_invalid_values_of_solid_raise_an_error(solid):
     for ask in (impinge.intersects, impinge.distance):
         with pytest.raises(impinge.InputError) as caught:
             ask(UNIT, UNIT, solid=solid)
@@ -106,7 +106,7 @@ def test_which_is_solid_is_judged(solid):
     assert impinge.intersects(UNIT, UNIT, solid=np.True_)
 
 
-def test_a_soup_meets_itself_where_the_oracle_says():
+def test_self_intersections_of_a_soup_equal_the_oracle():
     rng = np.random.default_rng(8)
     corners = rng.integers(-2, 3, (18, 3, 3)).astype(float)
     own = [set(map(tuple, triangle)) for triangle in corners]
@@ -120,7 +120,7 @@ def test_a_soup_meets_itself_where_the_oracle_says():
     assert found == sorted(set(found))
 
 
-def test_two_shells_in_one_mesh_meet_as_two_meshes_do():
+def test_two_shells_in_one_mesh_intersect_like_two_meshes():
     vertices, faces = torus()
     shell = impinge.Mesh(vertices, faces)
     assert impinge.self_intersecting_pairs(shell).shape == (0, 2)
@@ -133,7 +133,7 @@ def test_two_shells_in_one_mesh_meet_as_two_meshes_do():
         impinge.self_intersecting_pairs(vertices)
 
 
-def test_what_is_deep_comes_free():
+def test_moving_by_the_depth_separates_the_solids():
     ring, box = impinge.Mesh(*torus()), impinge.Mesh(*cube())
     poses = random_poses(12, 1.5, 2)
     deep = impinge.penetration(ring, box, None, poses)
@@ -143,7 +143,7 @@ def test_what_is_deep_comes_free():
     moved = poses.copy()
     moved[:, :3, 3] += deep.normal * (deep.upper * (1 + 1e-9))[:, None]
     assert not impinge.penetrates(ring, box, None, moved).any()
-    # Half of the lower bound along the best way, and the rest of it in any other, is not enough.
+    # A translation shorter than the lower bound does not separate them, in any direction.
     for direction in (deep.normal, -deep.normal, [1, 0, 0], [0, 0.6, -0.8]):
         moved = poses.copy()
         moved[:, :3, 3] += direction * (0.999 * deep.lower)[:, None]
@@ -170,14 +170,14 @@ def test_what_is_deep_comes_free():
 
 
 def cup():
-    """A cube without its upper side, which winds exactly half round points of the lid."""
+    """Returns a cube without its upper side; on that side winding numbers are exactly 1/2."""
     vertices, faces = cube()
     vertices = np.asarray(vertices, float)
     top = vertices[:, 2].max()
     return vertices, np.array([face for face in faces if not all(vertices[v][2] == top for v in face)])
 
 
-def test_what_is_open_is_told_as_undecided():
+def test_points_in_the_hole_of_an_open_solid_are_undecided():
     vertices, faces = cup()
     open_cube, lid = impinge.Mesh(vertices, faces), vertices[:, 2].max()
     point = impinge.Mesh([[0.0, 0, lid]] * 3, [[0, 1, 2]])

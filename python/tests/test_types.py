@@ -1,4 +1,4 @@
-"""The package as type checkers and linters see it."""
+"""Checks of the package by type checkers and linters."""
 
 import inspect
 import shutil
@@ -29,13 +29,13 @@ def run(*command):
         pytest.param(["ruff", "format", "--check", "--no-cache"], id="format"),
     ],
 )
-def test_is_clean(command):
+def test_checkers_find_no_problem(command):
     program = shutil.which(command[0], path=Path(sys.executable).parent)
     assert program, f"python/requirements-test.txt installs {command[0]}"
     run(program, *command[1:])
 
 
-def test_wrong_options_are_seen_before_the_program_runs(tmp_path):
+def test_wrong_options_are_type_errors(tmp_path):
     program = tmp_path / "program.py"
     program.write_text(
         "import impinge\nmesh = impinge.load('a.obj')\n"
@@ -50,8 +50,8 @@ def test_wrong_options_are_seen_before_the_program_runs(tmp_path):
     assert [f":{line}: error" in done.stdout for line in range(1, 8)] == [False] * 2 + [True] * 5, done.stdout
 
 
-def test_types_as_a_user_sees_them(tmp_path):
-    """What strict mypy infers in a program that uses the package."""
+def test_inferred_types_are_precise(tmp_path):
+    """Strict mypy infers precise types in a program that uses the package."""
     program = tmp_path / "program.py"
     program.write_text(
         "import impinge\nimport numpy as np\nfrom typing import assert_type\n"

@@ -1,4 +1,4 @@
-"""Worlds against loops over single questions."""
+"""Worlds against loops over single queries."""
 
 import gc
 import pickle
@@ -24,7 +24,10 @@ def named(pairs):
 
 
 def filled(broad, count=80, **options):
-    """A world of bodies of four shapes, with tags in order of insertion; their handles, shapes and poses."""
+    """Returns a world of bodies with four shapes and ascending tags, and its ingredients.
+
+    These are the handles, the poses and the random generator.
+    """
     world, rng = impinge.World(broad_phase=broad, **options), np.random.default_rng(11)
     poses = random_poses(count, 3.5, 12)
     handles = np.array([world.insert(KINDS[row % 4], poses[row], tag=row) for row in range(count)], np.uint64)
@@ -32,7 +35,7 @@ def filled(broad, count=80, **options):
 
 
 def brute(handles, poses):
-    """The pairs that single questions find."""
+    """Returns the pairs that single queries find."""
     return [(int(handles[i]), int(handles[j])) for i, j in brute_rows(poses.tobytes())]
 
 
@@ -47,7 +50,7 @@ def brute_rows(poses):
 
 
 @pytest.mark.parametrize("broad", BROAD)
-def test_steps_equal_a_loop(broad):
+def test_steps_equal_a_loop_over_single_queries(broad):
     world, handles, poses, rng = filled(broad, narrow_phase="intersections")
     before = set()
     for _ in range(4):
@@ -67,7 +70,7 @@ def test_steps_equal_a_loop(broad):
     assert (len(stood.began), len(stood.ended), stood.persisting, stood.work.changed) == (0, 0, None, 0)
 
 
-def test_contacts_are_those_of_single_questions():
+def test_contacts_equal_those_of_single_queries():
     world, handles, poses, _ = filled("auto", 40)
     world.step()
     pairs, rows = world.pairs(), world.contacts()
@@ -83,7 +86,7 @@ def test_contacts_are_those_of_single_questions():
     assert len(impinge.World(narrow_phase="intersections").contacts()) == 0
 
 
-def test_who_meets_whom():
+def test_kinds_layers_and_owners_select_pairs():
     def pairs(*bodies):
         world = impinge.World()
         for options in bodies:
@@ -105,7 +108,7 @@ def test_who_meets_whom():
     assert len(world.step().ended) == 4
 
 
-def test_filters():
+def test_a_filter_selects_pairs_and_its_errors_are_raised():
     world = impinge.World()
     bodies = world.insert(KINDS[0], np.stack([np.eye(4)] * 5), tag=np.arange(5))
     asked = []
@@ -131,7 +134,7 @@ def test_filters():
     assert len(world.step().ended) == 10
 
 
-def test_handles_never_dangle():
+def test_stale_handles_raise_an_error_and_change_nothing():
     world = impinge.World()
     first = world.insert(KINDS[0])
     other = world.insert(KINDS[1])
@@ -163,7 +166,7 @@ def test_handles_never_dangle():
 
 
 @pytest.mark.parametrize("way", ["own", "rotated", "loose", "hull", "climbing"])
-def test_boxes_follow_in_every_way(way):
+def test_boxes_follow_bodies_for_every_realignment(way):
     world, expected = impinge.World(), []
     mesh = impinge.Mesh(*torus(12, 8))
     poses = random_poses(40, 3.0, 4)
@@ -176,7 +179,7 @@ def test_boxes_follow_in_every_way(way):
         expected = [(int(rings[i]), int(rings[j])) for i, j in combinations(range(40), 2) if met[i, j]]
         among = [pair for pair in named(world.pairs()) if pair[1] < int(balls[0])]
         assert among == expected
-        # Every vertex is in the box about it.
+        # Every vertex is inside its body's box.
         vertices = mesh.vertices @ turned[:, :3, :3].swapaxes(1, 2) + turned[:, None, :3, 3]
         bounds = world.bounds(rings)
         assert (bounds[:, 0] <= vertices.min(axis=1) + 1e-12).all()
@@ -193,7 +196,7 @@ def test_boxes_follow_in_every_way(way):
     assert np.array_equal(again.pairs(), world.pairs())
 
 
-def test_going_back():
+def test_restore_returns_to_the_saved_state():
     world, handles, poses, _ = filled("tree", 30)
     world.step()
     state, pairs = world.save(), world.pairs()
@@ -215,7 +218,7 @@ def test_going_back():
 
 
 @pytest.mark.parametrize("broad", ["every", "tree", "columns", "grid"])
-def test_questions_equal_loops(broad):
+def test_queries_equal_loops_over_the_bodies(broad):
     world, handles, poses, rng = filled(broad, 40)
     world.insert(Shape.half_space([0, 0, 1], -3.4), kind="static", layers=2)
     world.step()
@@ -259,7 +262,7 @@ def test_questions_equal_loops(broad):
     assert np.isinf(world.bounds(world.bodies[-1])).all()
 
 
-def test_deforming_and_other_shapes():
+def test_refit_and_set_shape_change_the_pairs():
     flag = impinge.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     world = impinge.World()
     cloth, twin = world.insert(flag), world.insert(flag, pose([5, 0, 0]))
@@ -279,7 +282,7 @@ def test_deforming_and_other_shapes():
     assert caught.value.what == "vertices"
 
 
-def test_nothing_moves_where_a_pose_is_bad():
+def test_an_invalid_pose_moves_no_body():
     world = impinge.World()
     balls = world.insert(KINDS[0], pose([[0, 0, 0], [9, 0, 0]]))
     wall = world.insert(KINDS[1], kind="static")
@@ -321,7 +324,7 @@ def test_nothing_moves_where_a_pose_is_bad():
         ("stale", "body", lambda w: w.pairs(17)),
     ],
 )
-def test_what_is_wrong_is_named(kind, what, make):
+def test_errors_name_the_invalid_argument(kind, what, make):
     world = impinge.World()
     with pytest.raises(impinge.InputError) as caught:
         make(world)
@@ -329,8 +332,8 @@ def test_what_is_wrong_is_named(kind, what, make):
     assert len(world) == 0
 
 
-def test_threads_take_turns():
-    """Steps, rays and looks from several threads at once; a step may not wait for what waits for it."""
+def test_concurrent_calls_run_one_after_another():
+    """Steps and queries of several threads do not deadlock."""
     world, handles, poses, _ = filled("auto", 60, narrow_phase="intersections")
     done = []
 
@@ -360,12 +363,12 @@ def test_threads_take_turns():
     assert len(step.began) > 0
 
 
-def test_many_bodies_in_one_call():
+def test_one_call_moves_8000_bodies():
     world = impinge.World(narrow_phase="intersections")
     grid = np.stack(np.meshgrid(*[np.arange(20)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     crates = world.insert(Shape.box([0.5, 0.5, 0.5]), pose(grid * 1.5), tag=np.arange(8000))
     assert len(world.step().began) == 0
-    step = world.step(crates, pose(grid * [1.0, 1.5, 1.5]))  # rows that touch along x
+    step = world.step(crates, pose(grid * [1.0, 1.5, 1.5]))  # neighbors along x touch
     assert len(step.began) == 19 * 400
     assert (world.tags(step.began)[:, 1] - world.tags(step.began)[:, 0] == 400).all()
     step = world.step(crates, pose(grid * 1.5))
@@ -374,7 +377,7 @@ def test_many_bodies_in_one_call():
     gc.collect()
 
 
-def test_reports_are_sorted_by_handles_where_places_are_taken_again():
+def test_reports_are_sorted_by_handle_after_slots_are_reused():
     world = impinge.World()
     balls = world.insert(KINDS[0], np.stack([np.eye(4)] * 5))
     world.remove(balls[[0, 3]])
@@ -388,7 +391,7 @@ def test_reports_are_sorted_by_handles_where_places_are_taken_again():
     assert 0 not in world.bodies
 
 
-def test_a_world_with_other_options_is_not_gone_back_to():
+def test_a_state_of_a_world_with_other_options_raises_an_error():
     world = impinge.World(narrow_phase="boxes")
     world.insert(KINDS[0])
     with pytest.raises(impinge.InputError) as raised:

@@ -1,11 +1,13 @@
 //! The chores of the workspace, each a command of `cargo xtask`: checks (`layers`, `file-length`,
-//! `prose`), tests (`quick`, `test`), benchmarks and their page (`bench`, `performance`), and
-//! `demo`.
+//! `prose`), tests (`quick`, `test`), benchmarks and their page (`bench`, `performance`), the
+//! documentation site (`docs`), and `demo`.
 #![allow(clippy::print_stdout, reason = "a chore reports to the terminal")]
 
 mod bench;
 mod build;
 mod demo;
+mod docs;
+mod environment;
 mod file_length;
 mod layers;
 mod performance;
@@ -69,6 +71,8 @@ enum Chore {
         #[arg(long)]
         check: bool,
     },
+    /// Build the documentation site into target/site, and fail on any warning.
+    Docs,
     /// Check a human of 26,756 triangles against a torus knot of 2,000,000.
     Demo,
 }
@@ -102,6 +106,7 @@ fn main() -> Result<ExitCode> {
         }
         Chore::Quick { room } => quick::run(root, room.as_deref())?,
         Chore::Test => test_run::run(root)?,
+        Chore::Docs => docs::build(root)?,
         Chore::Demo => demo::run(root)?,
     };
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })

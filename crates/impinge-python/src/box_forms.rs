@@ -1,4 +1,4 @@
-//! An axis-aligned box in its three forms and packed, and one box against many.
+//! Axis-aligned boxes in three forms and in packed forms, and queries of one box against many.
 
 use impinge::InputError;
 use impinge::volume::{
@@ -13,7 +13,7 @@ use crate::partitions::EXPONENT;
 use crate::points::Points;
 use crate::poses;
 
-/// What `Aabb`, `MinWidths` and `CenterRadius` of `impinge.fit` hold.
+/// Contents of `Aabb`, `MinWidths` and `CenterRadius` of `impinge.fit`.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct BoxCore(Form);
 
@@ -24,7 +24,7 @@ enum Form {
     CentreRadius(CentreRadius),
 }
 
-/// What `PackedMinWidths` and `PackedCenterRadius` of `impinge.fit` hold.
+/// Contents of `PackedMinWidths` and `PackedCenterRadius` of `impinge.fit`.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct PackedCore(Packed);
 
@@ -35,7 +35,7 @@ enum Packed {
     CentreRadius16(PackedCentreRadius<u16>),
 }
 
-/// What `impinge.fit.AabbBatch` holds.
+/// Contents of `impinge.fit.AabbBatch`.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct BatchCore(AabbBatch);
 
@@ -48,20 +48,22 @@ impl Form {
         }
     }
 
-    /// What `of` finds out about this box and another of the same form.
+    /// Returns the result of `of` for this box and another box of the same form.
     ///
     /// # Errors
-    /// `InputError` where the other has another form.
-    fn beside<T>(self, other: &Bound<'_, BoxCore>, of: impl Fn(Self, Self) -> Option<T>) -> PyResult<T> {
+    /// `InputError` if the other box has another form.
+    fn with_same_form<T>(self, other: &Bound<'_, BoxCore>, of: impl Fn(Self, Self) -> Option<T>) -> PyResult<T> {
         of(self, other.get().0).ok_or_else(|| {
-            Fault::new("type", "other", "is a box in another form").hint(Some("convert it")).raised(other.py())
+            Fault::new("type", "other", "is a box in another form")
+                .hint(Some("convert one of the two boxes to the form of the other"))
+                .raised(other.py())
         })
     }
 }
 
 #[pymethods]
 impl BoxCore {
-    /// The box of two rows of numbers, whose names say the form.
+    /// Makes a box from two rows of three numbers. The names of the rows select the form.
     #[new]
     fn new<'py>(names: (String, String), first: &Bound<'py, PyAny>, second: &Bound<'py, PyAny>) -> PyResult<Self> {
         let py = first.py();
@@ -88,7 +90,7 @@ impl BoxCore {
         made.map(Self).map_err(|error| fault(&error, &names.1).raised(py))
     }
 
-    /// The two rows of numbers, (3,) each, the volume and the area of the surface.
+    /// Returns the two rows of numbers, (3,) each, the volume and the surface area.
     fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let (first, second, volume, area) = match self.0 {
             Form::MinMax(own) => (own.min(), own.max(), own.volume(), own.surface_area()),
@@ -118,7 +120,7 @@ impl BoxCore {
     }
 
     fn overlaps(&self, other: &Bound<'_, Self>) -> PyResult<bool> {
-        self.0.beside(other, |own, other| match (own, other) {
+        self.0.with_same_form(other, |own, other| match (own, other) {
             (Form::MinMax(own), Form::MinMax(other)) => Some(own.overlaps(&other)),
             (Form::MinWidths(own), Form::MinWidths(other)) => Some(own.overlaps(&other)),
             (Form::CentreRadius(own), Form::CentreRadius(other)) => Some(own.overlaps(&other)),
@@ -127,7 +129,7 @@ impl BoxCore {
     }
 
     fn encloses(&self, other: &Bound<'_, Self>) -> PyResult<bool> {
-        self.0.beside(other, |own, other| match (own, other) {
+        self.0.with_same_form(other, |own, other| match (own, other) {
             (Form::MinMax(own), Form::MinMax(other)) => Some(own.encloses(&other)),
             (Form::MinWidths(own), Form::MinWidths(other)) => Some(own.encloses(&other)),
             (Form::CentreRadius(own), Form::CentreRadius(other)) => Some(own.encloses(&other)),
@@ -136,7 +138,7 @@ impl BoxCore {
     }
 
     fn merged(&self, other: &Bound<'_, Self>) -> PyResult<Self> {
-        let merged = self.0.beside(other, |own, other| match (own, other) {
+        let merged = self.0.with_same_form(other, |own, other| match (own, other) {
             (Form::MinMax(own), Form::MinMax(other)) => Some(Form::MinMax(own.merged(&other))),
             (Form::MinWidths(own), Form::MinWidths(other)) => Some(Form::MinWidths(own.merged(&other))),
             (Form::CentreRadius(own), Form::CentreRadius(other)) => Some(Form::CentreRadius(own.merged(&other))),
@@ -145,7 +147,7 @@ impl BoxCore {
         merged.map(Self)
     }
 
-    /// (...) booleans.
+    /// Returns whether the box contains each point, as booleans of shape (...).
     fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let Points { shape, rows } = Points::read(points, "points", EXPONENT)?;
         let holds = |&point: &[f64; 3]| match self.0 {
@@ -156,7 +158,7 @@ impl BoxCore {
         array(points.py(), rows.iter().map(holds).collect(), &shape)
     }
 
-    /// The box of the same form about the image.
+    /// Returns a box of the same form that contains the image of this box under a pose.
     fn moved(&self, pose: &Bound<'_, PyAny>) -> PyResult<Self> {
         let (py, pose) = (pose.py(), &poses::read_one(pose, "pose", "one pose is expected, (4, 4)")?);
         let moved = match self.0 {
@@ -167,7 +169,8 @@ impl BoxCore {
         moved.map(Self).map_err(|error| fault(&error, "pose").at(Vec::new()).raised(py))
     }
 
-    /// The box with extents of 8 or 16 bits; one by its corners by its widths.
+    /// Returns the box packed with extents of 8 or 16 bits. A box given by its corners is packed by
+    /// its widths.
     fn packed(&self, py: Python<'_>, bits: u32) -> PyResult<PackedCore> {
         let packed = match (self.0, bits) {
             (Form::CentreRadius(own), 8) => own.try_into().map(Packed::CentreRadius8),
@@ -183,7 +186,7 @@ impl BoxCore {
 
 #[pymethods]
 impl PackedCore {
-    /// The box that it is, exactly.
+    /// Returns the box that the packed numbers represent, exactly.
     fn unpacked(&self) -> BoxCore {
         BoxCore(match self.0 {
             Packed::MinWidths8(own) => Form::MinWidths(own.into()),
@@ -193,7 +196,7 @@ impl PackedCore {
         })
     }
 
-    /// Bytes that the numbers take.
+    /// Returns the number of bytes that the numbers take.
     fn size(&self) -> usize {
         match &self.0 {
             Packed::MinWidths8(own) => size_of_val(own),
@@ -206,12 +209,12 @@ impl PackedCore {
 
 #[pymethods]
 impl BatchCore {
-    /// Boxes from lower corners to upper ones, (n, 3), in single precision.
+    /// Makes boxes from lower and upper corners, (n, 3), in single precision.
     #[new]
     fn new(low: &Bound<'_, PyAny>, high: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let Boxes { shape, rows } = Boxes::read(low, high, EXPONENT)?;
         if shape.len() != 1 {
-            let message = format!("leading axes {shape:?}, where (n, 3) is expected");
+            let message = format!("leading axes {shape:?}, but (n, 3) is expected");
             return Err(Fault::new("shape", "low", message).raised(low.py()));
         }
         Ok(Self(low.py().detach(|| rows.iter().map(MinMax::to_aabb).collect())))
@@ -221,7 +224,7 @@ impl BatchCore {
         self.0.len()
     }
 
-    /// (k,) numbers of the boxes that overlap this one, ascending.
+    /// Returns the indices of the boxes that overlap a box, (k,), in ascending order.
     fn overlapping<'py>(&self, one: &Bound<'py, BoxCore>) -> PyResult<Bound<'py, PyAny>> {
         let (py, one) = (one.py(), one.get().0.min_max().to_aabb());
         let found = py.detach(|| {

@@ -1,11 +1,13 @@
-"""A stand-in for the part of python-fcl that collides: ``from impinge import fcl`` in place of ``import fcl``.
+"""A drop-in replacement for the collision part of python-fcl: use ``from impinge import fcl``.
 
-Names, arguments and conventions are python-fcl's: a `BVHModel` is a surface, all else a solid, which
-meet what lies inside them. Answers are impinge's: exact, without false or missing contacts, each pair of faces once.
+Names, arguments and conventions are those of python-fcl: a `BVHModel` is a surface; all other
+geometries are solids, which intersect anything inside them. Answers are those of impinge: they are
+exact, no contact is false or missing, and each pair of faces is reported once.
 
-What differs: the normal and the depth of a contact of two surfaces are those of the region in which they go through
-each other, and not of its two triangles. Two bodies one of which is inside the other, their surfaces apart, have one
-contact without faces (-1). A contact of anything but meshes has no faces either. Continuous collision is not there.
+Differences from python-fcl: the normal and the depth of a contact of two surfaces are those of the
+region in which they penetrate each other, not those of its two triangles. If one body lies inside
+the other and their surfaces do not intersect, there is one contact without faces (-1). A contact of
+a geometry that is not a mesh has no faces either. Continuous collision detection is not supported.
 
 Examples
 --------

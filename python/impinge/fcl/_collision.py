@@ -1,6 +1,6 @@
-"""Whether two objects collide, and their contacts."""
+"""Collision of two objects, and their contacts."""
 
-# The names are python-fcl's.
+# The names are those of python-fcl.
 # ruff: noqa: N802
 
 from __future__ import annotations
@@ -14,22 +14,23 @@ from impinge.fcl._geometry import CollisionGeometry, CollisionObject
 
 
 class Contact:
-    """Two faces that meet.
+    """Two faces in contact.
 
     Attributes
     ----------
     o1, o2 : CollisionGeometry
         The geometries.
     b1, b2 : int
-        Their faces; -1 for both where one body is inside the other.
+        Faces of the geometries; -1 for both if one body is inside the other.
     pos : (3,) float64 array
-        A point of the world that both have in common, rounded; only with ``enable_contact``, as what follows.
+        A point of both geometries in the world frame, rounded. `pos`, `normal` and
+        `penetration_depth` exist only with ``enable_contact``.
     normal : (3,) float64 array
-        Of length 1, in the world, from the first object to the second: the shortest way to part two solids; of
-        surfaces that of the region in which they go through each other. The faces of surfaces are taken to turn left
-        seen from outside.
+        Unit vector in the world frame, from the first object to the second. For two solids it is
+        the shortest way to separate them. For surfaces it is the normal of the region in which they
+        penetrate each other; faces are assumed to be counterclockwise as seen from outside.
     penetration_depth : float
-        How deep the objects are in each other along the normal, here or in this region; at least zero.
+        Penetration depth along the normal, of the two solids or in this region; at least zero.
     """
 
     def __init__(self, o1: CollisionGeometry, o2: CollisionGeometry, b1: int, b2: int) -> None:
@@ -40,9 +41,10 @@ class Contact:
 
 
 class CollisionRequest:
-    """How many contacts are wanted, and whether their positions, normals and depths are.
+    """Maximum number of contacts, and whether to compute their positions, normals and depths.
 
-    The normals of surfaces take as long as all their pairs, however few contacts are wanted.
+    Computing the normals of surfaces takes as long as finding all their pairs, even if few contacts
+    are requested.
     """
 
     def __init__(self, num_max_contacts: int = 1, enable_contact: bool = False) -> None:
@@ -51,7 +53,7 @@ class CollisionRequest:
 
 
 class CollisionResult:
-    """Whether anything collided so far, and the contacts."""
+    """Whether any collision was found so far, and the contacts."""
 
     def __init__(self) -> None:
         self.is_collision = False
@@ -59,7 +61,7 @@ class CollisionResult:
 
 
 class CollisionData:
-    """What a callback of a manager is handed: the request, the result, and whether all is done."""
+    """Data for callbacks of a manager: the request, the result, and whether all is done."""
 
     def __init__(self, request: CollisionRequest | None = None, result: CollisionResult | None = None) -> None:
         self.request = CollisionRequest() if request is None else request
@@ -73,12 +75,15 @@ def collide(
     request: CollisionRequest | None = None,
     result: CollisionResult | None = None,
 ) -> int:
-    """Add the contacts of two objects to the result, at most as many as requested, and return how many these are."""
+    """Add the contacts of two objects to the result, and return the number of added contacts.
+
+    The request limits the number of contacts.
+    """
     request = CollisionRequest() if request is None else request
     result = CollisionResult() if result is None else result
     a, b = o1.geometry.body, o2.geometry.body
-    most = whole(request.num_max_contacts, "num_max_contacts")
-    pairs = _bodies.contacts(a, b, o1.matrix, o2.matrix, most)
+    limit = whole(request.num_max_contacts, "num_max_contacts")
+    pairs = _bodies.contacts(a, b, o1.matrix, o2.matrix, limit)
     found = [Contact(o1.geometry, o2.geometry, int(b1), int(b2)) for b1, b2 in pairs]
     if request.enable_contact and found:
         points = _bodies.contact_points(a, b, o1.matrix, o2.matrix, pairs)
@@ -91,7 +96,10 @@ def collide(
 
 
 def defaultCollisionCallback(o1: CollisionObject, o2: CollisionObject, cdata: CollisionData) -> bool:
-    """Collide two objects; return whether the manager may stop: as many contacts as requested are there."""
+    """Collide two objects, and return whether the manager may stop.
+
+    It may stop if the requested number of contacts was found.
+    """
     if not cdata.done:
         collide(o1, o2, cdata.request, cdata.result)
         cdata.done = cdata.result.is_collision and len(cdata.result.contacts) >= cdata.request.num_max_contacts

@@ -1,6 +1,6 @@
-"""How far apart two objects are."""
+"""Distance of two objects."""
 
-# The names are python-fcl's.
+# The names are those of python-fcl.
 # ruff: noqa: N802
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from impinge.fcl._geometry import CollisionGeometry, CollisionObject
 
 
 class DistanceRequest:
-    """Whether the nearest points are wanted, and depths of solids that are in each other as negative distances."""
+    """Whether to return nearest points, and depths of overlapping solids as negative distances."""
 
     def __init__(self, enable_nearest_points: bool = False, enable_signed_distance: bool = False) -> None:
         self.enable_nearest_points = enable_nearest_points
@@ -21,19 +21,20 @@ class DistanceRequest:
 
 
 class DistanceResult:
-    """The least distance so far, and where it is.
+    """Minimum distance so far, and its nearest points.
 
     Attributes
     ----------
     min_distance : float
-        In world units; -1 where one of two bodies is solid and they collide, or minus the depth of two solids where
-        signed distances are wanted. Infinite at first.
+        In world units. If at least one body is solid and they collide, it is -1, or minus the depth
+        of two solids if signed distances are requested. Infinite at first.
     nearest_points : list of two (3,) float64 arrays
-        On either object, in the world, rounded; zero where they collide, or were not requested.
+        Nearest points on the two objects in the world frame, rounded; zero if they collide, or if
+        the points were not requested.
     o1, o2 : CollisionGeometry or None
         The geometries.
     b1, b2 : int
-        Their faces; -1 for a solid, and for what is inside one.
+        Faces of the geometries; -1 for a solid, and for a body inside one.
     """
 
     def __init__(self) -> None:
@@ -45,7 +46,7 @@ class DistanceResult:
 
 
 class DistanceData:
-    """What a callback of a manager is handed: the request, the result, and whether all is done."""
+    """Data for callbacks of a manager: the request, the result, and whether all is done."""
 
     def __init__(self, request: DistanceRequest | None = None, result: DistanceResult | None = None) -> None:
         self.request = DistanceRequest() if request is None else request
@@ -59,10 +60,11 @@ def distance(
     request: DistanceRequest | None = None,
     result: DistanceResult | None = None,
 ) -> float:
-    """Return the distance of two objects, and keep it in the result if it is less than what is there.
+    """Return the distance of two objects, and store it in the result if it is a new minimum.
 
-    Two surfaces that meet have distance 0. Where one is solid and they collide it is -1 or, with
-    ``enable_signed_distance`` and two solids, minus their depth; two solids that only touch have 0.
+    Two surfaces that intersect have distance 0. If at least one body is solid and they collide, the
+    distance is -1. With ``enable_signed_distance`` and two solids, it is minus their depth. Two
+    solids that only touch have distance 0.
     """
     request = DistanceRequest() if request is None else request
     result = DistanceResult() if result is None else result
@@ -79,7 +81,10 @@ def distance(
 def defaultDistanceCallback(
     o1: CollisionObject, o2: CollisionObject, cdata: DistanceData, dist: float
 ) -> tuple[bool, float]:
-    """Measure two objects; return whether the manager may stop, which it may not, and the least distance so far."""
+    """Measure two objects, and return whether the manager may stop, and the minimum so far.
+
+    It never allows the manager to stop early, unless ``cdata.done`` is set.
+    """
     if not cdata.done:
         distance(o1, o2, cdata.request, cdata.result)
     return cdata.done, cdata.result.min_distance

@@ -1,6 +1,6 @@
-"""Surfaces and solids, and objects, which have one and stand somewhere."""
+"""Surfaces, solids, and objects, which are geometries with a transform."""
 
-# The names are python-fcl's.
+# The names are those of python-fcl.
 # ruff: noqa: N802
 
 from __future__ import annotations
@@ -17,25 +17,26 @@ from impinge._mesh import Mesh
 from impinge._scalars import real, whole
 from impinge.fcl._transform import Transform, shaped
 
-_MOST_VERTICES = 2**32 - 1
+_MAX_INDEX = 2**32 - 1
 
 
 class CollisionGeometry:
-    """What has a shape of its own, wherever it stands."""
+    """Base class of geometries: surfaces and solids in their own frame."""
 
     def __init__(self) -> None:
         self._body: _bodies.Body | None = None
 
     @property
     def body(self) -> _bodies.Body:
-        """The shape."""
+        """The body of the geometry."""
         if self._body is None:
-            raise InputError(f"{type(self).__name__} is not finished: endModel() is missing", kind="input", what="geom")
+            message = f"{type(self).__name__} is not complete; call endModel() first"
+            raise InputError(message, kind="input", what="geom")
         return self._body
 
 
 class BVHModel(CollisionGeometry):
-    """A surface of triangles, given between `beginModel` and `endModel`."""
+    """A surface of triangles, which are added between `beginModel` and `endModel`."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -44,11 +45,11 @@ class BVHModel(CollisionGeometry):
         self._count = 0
 
     def num_tries_(self) -> int:
-        """Return the number of triangles (the name is python-fcl's)."""
+        """Return the number of triangles (the name is that of python-fcl)."""
         return sum(map(len, self._faces))
 
     def beginModel(self, num_tris_: int = 0, num_vertices_: int = 0) -> int:
-        """Begin anew; the numbers are hints that are not needed."""
+        """Start a new model; the arguments are hints that are ignored."""
         self._vertices, self._faces, self._count, self._body = [], [], 0, None
         return 0
 
@@ -58,15 +59,15 @@ class BVHModel(CollisionGeometry):
         return True
 
     def addTriangle(self, v1: ArrayLike, v2: ArrayLike, v3: ArrayLike) -> bool:
-        """Add a triangle of three positions."""
+        """Add a triangle with three positions."""
         self._add(_corners(v1=v1, v2=v2, v3=v3), np.array([[0, 1, 2]]))
         return True
 
     def addSubModel(self, verts: ArrayLike, triangles: ArrayLike) -> bool:
-        """Add (n, 3) positions and (m, 3) triangles of them."""
-        faces = plain_numbers(triangles, "triangles", _MOST_VERTICES).astype(np.int64)
+        """Add (n, 3) positions and (m, 3) triangles of their indices."""
+        faces = plain_numbers(triangles, "triangles", _MAX_INDEX).astype(np.int64)
         if faces.size % 3:
-            raise InputError(f"shape {faces.shape}, where (m, 3) is expected", kind="shape", what="triangles")
+            raise InputError(f"has shape {faces.shape}; (m, 3) is expected", kind="shape", what="triangles")
         self._add(plain_reals(verts, "verts", (3,)).reshape(-1, 3), faces.reshape(-1, 3))
         return True
 
@@ -76,7 +77,7 @@ class BVHModel(CollisionGeometry):
         self._count += len(vertices)
 
     def endModel(self) -> int:
-        """Judge what was added and build the hierarchy; return 0."""
+        """Validate the triangles, build the hierarchy, and return 0."""
         vertices = np.concatenate([np.zeros((0, 3)), *self._vertices])
         faces = np.concatenate([np.zeros((0, 3), np.int64), *self._faces])
         self._body = _bodies.Body(Mesh(vertices, faces), solid=False)
@@ -84,7 +85,7 @@ class BVHModel(CollisionGeometry):
 
 
 class Box(CollisionGeometry):
-    """A solid box about the origin, with these side lengths."""
+    """A solid box about the origin with the given side lengths."""
 
     def __init__(self, x: float, y: float, z: float) -> None:
         super().__init__()
@@ -101,23 +102,24 @@ class Box(CollisionGeometry):
 
 
 class Convex(CollisionGeometry):
-    """A solid of (n, 3) vertices whose surface is convex.
+    """A solid with (n, 3) vertices and a convex surface.
 
-    `faces` is one flat list: for each of the `num_faces` polygons the number of its corners, then these.
+    `faces` is a flat list: for each of the `num_faces` polygons the number of its corners, then the
+    indices of its corners.
     """
 
     def __init__(self, vertices: ArrayLike, num_faces: int, faces: Iterable[int]) -> None:
         super().__init__()
         if not isinstance(faces, Iterable):
             raise InputError(f"must be a list, not {type(faces).__name__}", kind="type", what="faces")
-        numbers: list[int] = plain_numbers(list(faces), "faces", _MOST_VERTICES).tolist()
+        numbers: list[int] = plain_numbers(list(faces), "faces", _MAX_INDEX).tolist()
         num_faces = whole(num_faces, "num_faces")
         triangles: list[tuple[int, int, int]] = []
         at = 0
         for _ in range(num_faces):
             corners = numbers[at + 1 : at + 1 + numbers[at]] if at < len(numbers) else []
             if len(corners) < 3 or len(corners) != numbers[at]:
-                message = "the list ends within a polygon, or one has too few corners"
+                message = f"the list ends within a polygon, or a polygon has fewer than 3 corners (at entry {at})"
                 raise InputError(message, kind="shape", what="faces")
             triangles += [(corners[0], corners[k], corners[k + 1]) for k in range(1, len(corners) - 1)]
             at += 1 + len(corners)
@@ -126,7 +128,7 @@ class Convex(CollisionGeometry):
 
     @property
     def num_faces(self) -> int:
-        """The number of polygons."""
+        """Number of polygons."""
         return self._num_faces
 
 
@@ -139,7 +141,7 @@ class TriangleP(CollisionGeometry):
 
 
 class CollisionObject:
-    """A geometry and where it stands."""
+    """A geometry with a transform."""
 
     def __init__(self, geom: CollisionGeometry, tf: Transform | None = None) -> None:
         if not isinstance(geom, CollisionGeometry):
@@ -150,12 +152,12 @@ class CollisionObject:
 
     @property
     def matrix(self) -> NDArray[np.float64]:
-        """The (4, 4) pose, world from geometry."""
+        """Pose (4, 4), world from geometry."""
         return self._transform.matrix
 
     @property
     def box(self) -> NDArray[np.float64]:
-        """Lower and upper corner, (2, 3), of a box in the world that holds the object."""
+        """Lower and upper corners, (2, 3), of a box in the world frame around the object."""
         return self.geometry.body.box_at(self.matrix)
 
     def getTransform(self) -> Transform:
@@ -163,7 +165,7 @@ class CollisionObject:
         return Transform(self._transform)
 
     def setTransform(self, tf: Transform) -> None:
-        """Set rotation and translation."""
+        """Set the rotation and the translation."""
         self._transform = Transform(tf)
 
     def getTranslation(self) -> NDArray[np.float64]:
@@ -175,11 +177,11 @@ class CollisionObject:
         self._transform.setTranslation(vec)
 
     def getRotation(self) -> NDArray[np.float64]:
-        """Return the (3, 3) matrix."""
+        """Return the (3, 3) rotation matrix."""
         return self._transform.getRotation()
 
     def setRotation(self, mat: ArrayLike) -> None:
-        """Set the (3, 3) matrix."""
+        """Set the (3, 3) rotation matrix."""
         self._transform.setRotation(mat)
 
     def getQuatRotation(self) -> NDArray[np.float64]:
@@ -192,5 +194,5 @@ class CollisionObject:
 
 
 def _corners(**corners: ArrayLike) -> NDArray[np.float64]:
-    """Return (n, 3) positions that came as arguments of these names."""
+    """Return (n, 3) positions from the arguments with these names."""
     return np.array([shaped(corner, (3,), name) for name, corner in corners.items()])

@@ -1,6 +1,6 @@
-"""Many objects, and which of them come near each other."""
+"""Managers of many objects, which find the pairs that are near each other."""
 
-# The names are python-fcl's.
+# The names are those of python-fcl.
 # ruff: noqa: N802
 
 from __future__ import annotations
@@ -19,34 +19,37 @@ from impinge.fcl._geometry import CollisionObject
 Callback = Callable[[CollisionObject, CollisionObject, Any], bool]
 DistanceCallback = Callable[[CollisionObject, CollisionObject, Any, float], tuple[bool, float]]
 
-_WANTED = "wants (cdata, callback), (manager, cdata, callback) or (object, cdata, callback)"
+_EXPECTED = "must be (cdata, callback), (manager, cdata, callback) or (object, cdata, callback)"
 
 
 def nearest_first(
     pairs: Sequence[tuple[CollisionObject, CollisionObject]],
     measure: Callable[[CollisionObject, CollisionObject, float], tuple[bool, float]],
 ) -> None:
-    """Measure pairs in the order of their boxes' gaps, as long as one may be nearer than the least distance so far."""
+    """Measure pairs in ascending order of the gap between their boxes.
+
+    The search stops if no other pair can be nearer than the minimum distance so far.
+    """
     boxes = {id(own): own.box for pair in pairs for own in pair}
     gaps = [_bodies.gap(boxes[id(o1)], boxes[id(o2)]) for o1, o2 in pairs]
-    least = np.inf
+    minimum = np.inf
     for at in np.argsort(gaps, kind="stable"):
-        if gaps[at] > least or (gaps[at] > 0 and least <= 0):
+        if gaps[at] > minimum or (gaps[at] > 0 and minimum <= 0):
             return
         o1, o2 = pairs[at]
-        done, least = measure(o1, o2, least)
+        done, minimum = measure(o1, o2, minimum)
         if done:
             return
 
 
 class DynamicAABBTreeCollisionManager:
-    """Many objects, of which those whose boxes overlap are handed to a callback, in the order of registration."""
+    """Many objects; pairs with overlapping boxes are passed to a callback in registration order."""
 
     def __init__(self) -> None:
         self._objects: list[CollisionObject] = []
 
     def registerObjects(self, other_objs: Sequence[CollisionObject]) -> None:
-        """Add objects."""
+        """Add several objects."""
         self._objects += other_objs
 
     def registerObject(self, obj: CollisionObject) -> None:
@@ -54,14 +57,14 @@ class DynamicAABBTreeCollisionManager:
         self._objects.append(obj)
 
     def unregisterObject(self, obj: CollisionObject) -> None:
-        """Remove an object, if it is there."""
+        """Remove an object, if it is registered."""
         self._objects = [own for own in self._objects if own is not obj]
 
     def setup(self) -> None:
-        """Do nothing: boxes are looked up when asked about."""
+        """Do nothing: every query computes the current boxes."""
 
     def update(self, arg: object = None) -> None:
-        """Do nothing: boxes are looked up when asked about."""
+        """Do nothing: every query computes the current boxes."""
 
     def clear(self) -> None:
         """Remove all objects."""
@@ -76,15 +79,15 @@ class DynamicAABBTreeCollisionManager:
         return len(self._objects)
 
     def empty(self) -> bool:
-        """Return whether there are none."""
+        """Report whether there are no objects."""
         return not self._objects
 
     def distance(self, *args: Any) -> None:
-        """Hand pairs of objects to ``callback(o1, o2, cdata, dist)``, those with the nearest boxes first.
+        """Pass pairs to ``callback(o1, o2, cdata, dist)``, in ascending order of their boxes' gaps.
 
-        It returns whether all is done, and the least distance so far. Pairs whose boxes are farther apart are left out.
-        ``distance(cdata, callback)`` asks within the manager, ``distance(other, cdata, callback)`` against an object or
-        another manager.
+        The callback returns whether to stop, and the minimum distance so far. Pairs whose boxes are
+        farther apart than this are skipped. ``distance(cdata, callback)`` measures pairs within the
+        manager. ``distance(other, cdata, callback)`` measures against an object or another manager.
         """
         if len(args) == 2:
             pairs = list(combinations(self._objects, 2))
@@ -93,15 +96,15 @@ class DynamicAABBTreeCollisionManager:
         elif len(args) == 3 and isinstance(args[0], CollisionObject):
             pairs = [(own, args[0]) for own in self._objects]
         else:
-            raise InputError(_WANTED, kind="type", what="args")
+            raise InputError(_EXPECTED, kind="type", what="args")
         cdata, callback = args[-2:]
-        nearest_first(pairs, lambda o1, o2, least: callback(o1, o2, cdata, least))
+        nearest_first(pairs, lambda o1, o2, minimum: callback(o1, o2, cdata, minimum))
 
     def collide(self, *args: Any) -> None:
-        """Hand pairs of objects to ``callback(o1, o2, cdata)`` until it returns True.
+        """Pass pairs with overlapping boxes to ``callback(o1, o2, cdata)`` until it returns True.
 
-        ``collide(cdata, callback)`` asks within the manager, ``collide(other, cdata, callback)`` against an object or
-        another manager.
+        ``collide(cdata, callback)`` collides pairs within the manager.
+        ``collide(other, cdata, callback)`` collides with an object or another manager.
         """
         if len(args) == 2:
             self._collide_within(*args)
@@ -110,7 +113,7 @@ class DynamicAABBTreeCollisionManager:
         elif len(args) == 3 and isinstance(args[0], CollisionObject):
             self._collide_with([args[0]], args[1], args[2])
         else:
-            raise InputError(_WANTED, kind="type", what="args")
+            raise InputError(_EXPECTED, kind="type", what="args")
 
     def _boxes(self) -> NDArray[np.float64]:
         return np.array([own.box for own in self._objects]).reshape(-1, 2, 3)

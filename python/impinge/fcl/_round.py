@@ -1,4 +1,4 @@
-"""Solids that are no meshes: spheres, capsules, cylinders, cones, ellipsoids, half-spaces."""
+"""Solids without meshes: spheres, capsules, cylinders, cones, ellipsoids and half-spaces."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class _Solid(CollisionGeometry):
 
 
 class Sphere(_Solid):
-    """A ball about the origin."""
+    """A solid sphere about the origin."""
 
     def __init__(self, radius: float) -> None:
         self.radius = real(radius, "radius")
@@ -28,7 +28,7 @@ class Sphere(_Solid):
 
 
 class Capsule(_Solid):
-    """All within a radius of the segment along z, of length `lz`, that the origin is in the middle of."""
+    """A capsule around a segment of length `lz` along z, centered at the origin."""
 
     def __init__(self, radius: float, lz: float) -> None:
         self.radius, self.lz = real(radius, "radius"), real(lz, "lz")
@@ -36,7 +36,7 @@ class Capsule(_Solid):
 
 
 class Cylinder(_Solid):
-    """A cylinder along z, of length `lz`, that the origin is in the middle of."""
+    """A solid cylinder of length `lz` along z, centered at the origin."""
 
     def __init__(self, radius: float, lz: float) -> None:
         self.radius, self.lz = real(radius, "radius"), real(lz, "lz")
@@ -44,7 +44,7 @@ class Cylinder(_Solid):
 
 
 class Cone(_Solid):
-    """A cone along z, of height `lz`, its base at ``-lz / 2`` and its tip at ``lz / 2``."""
+    """A solid cone of height `lz` along z: base at ``-lz / 2``, tip at ``lz / 2``."""
 
     def __init__(self, radius: float, lz: float) -> None:
         self.radius, self.lz = real(radius, "radius"), real(lz, "lz")
@@ -52,7 +52,7 @@ class Cone(_Solid):
 
 
 class Ellipsoid(_Solid):
-    """An ellipsoid about the origin with these half-lengths of its axes."""
+    """A solid ellipsoid about the origin with the given half-axes."""
 
     def __init__(self, x: float, y: float, z: float) -> None:
         self.radii: NDArray[np.float64] = np.array([real(x, "x"), real(y, "y"), real(z, "z")])
@@ -60,12 +60,15 @@ class Ellipsoid(_Solid):
 
 
 class Halfspace(_Solid):
-    """All points x with ``n @ x <= d``, once both are divided by the length of `n`."""
+    """The half-space of all points x with ``n @ x <= d``.
+
+    Both `n` and `d` are divided by the length of `n`.
+    """
 
     def __init__(self, n: ArrayLike, d: float) -> None:
         normal, level = plain_reals(n, "n", (3,)), real(d, "d")
         length = float(np.linalg.norm(normal))
         if normal.shape != (3,) or not 0 < length < np.inf:
-            raise InputError(f"{n!r} is no direction", kind="shape", what="n")
+            raise InputError(f"must be a finite nonzero (3,) vector, not {n!r}", kind="shape", what="n")
         super().__init__(Shape.half_space(normal / length, level / length))
         self.n, self.d = normal / length, level / length

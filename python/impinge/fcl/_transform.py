@@ -1,6 +1,6 @@
-"""Where an object stands."""
+"""Transforms of objects: a rotation and a translation."""
 
-# The names are python-fcl's.
+# The names are those of python-fcl.
 # ruff: noqa: N802, N803
 
 from __future__ import annotations
@@ -14,15 +14,18 @@ from impinge._pose import pose
 
 
 class Transform:
-    """A rotation and a translation: ``Transform()``, ``(other)``, ``(R)``, ``(q)``, ``(t)``, ``(R, t)``, ``(q, t)``.
+    """A rotation and a translation, world from geometry.
 
-    ``R`` is a (3, 3) matrix, used as given; ``q`` a unit quaternion, real part first; ``t`` a translation.
+    Made by ``Transform()``, ``Transform(other)``, ``Transform(R)``, ``Transform(q)``,
+    ``Transform(t)``, ``Transform(R, t)`` or ``Transform(q, t)``. ``R`` is a (3, 3) matrix, used
+    unchanged; ``q`` is a unit quaternion, real part first; ``t`` is a translation.
     """
 
     def __init__(self, *args: Transform | ArrayLike) -> None:
         self.matrix: NDArray[np.float64] = np.eye(4)
         if len(args) > 2:
-            raise InputError("too many arguments to Transform()", kind="option", what="args")
+            message = f"Transform() takes at most 2 arguments, not {len(args)}"
+            raise InputError(message, kind="option", what="args")
         if len(args) == 2:
             self._rotate(plain_reals(args[0], "args", ()))
             self.setTranslation(plain_reals(args[1], "args", ()).squeeze())
@@ -42,7 +45,7 @@ class Transform:
             self.setRotation(value)
 
     def getRotation(self) -> NDArray[np.float64]:
-        """Return the (3, 3) matrix."""
+        """Return the (3, 3) rotation matrix."""
         return self.matrix[:3, :3].copy()
 
     def getTranslation(self) -> NDArray[np.float64]:
@@ -54,7 +57,7 @@ class Transform:
         return _quaternion(self.matrix[:3, :3])
 
     def setRotation(self, R: ArrayLike) -> None:
-        """Set the (3, 3) matrix."""
+        """Set the (3, 3) rotation matrix."""
         self.matrix = pose(self.matrix[:3, 3], rotation=shaped(R, (3, 3), "R"))
 
     def setTranslation(self, T: ArrayLike) -> None:
@@ -67,15 +70,19 @@ class Transform:
 
 
 def shaped(value: ArrayLike, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
-    """Return an array of exactly this shape."""
+    """Return a finite float64 array, which must have exactly this shape."""
     array = plain_reals(value, name, shape)
     if array.shape != shape:
-        raise InputError(f"shape {array.shape}, where {shape} is expected", kind="shape", what=name)
+        raise InputError(f"has shape {array.shape}; {shape} is expected", kind="shape", what=name)
     return array
 
 
 def _quaternion(r: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the unit quaternion of a rotation: the row of its outer product with the largest diagonal entry."""
+    """Return the unit quaternion of a rotation, with a real part of at least zero.
+
+    It is a row of the quaternion's outer product with itself: the row with the largest diagonal
+    entry, normalized.
+    """
     outer = np.array(
         [
             [1 + r[0, 0] + r[1, 1] + r[2, 2], r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]],

@@ -30,7 +30,7 @@ pub(crate) fn check(root: &Path) -> Result<Vec<Violation>> {
     let mut violations = Vec::new();
     for path in sources::files(root, &["rs", "py", "pyi", "md"])? {
         let file = path.strip_prefix(root).unwrap_or(&path);
-        if EXEMPT.iter().any(|exempt| file.starts_with(exempt)) {
+        if is_exempt(file) {
             continue;
         }
         let text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
@@ -39,6 +39,11 @@ pub(crate) fn check(root: &Path) -> Result<Vec<Violation>> {
         violations.extend(found.map(|(line, what)| Violation { file: file.to_owned(), line, what }));
     }
     Ok(violations)
+}
+
+/// Reports whether a file, given relative to the root, is history or data.
+fn is_exempt(file: &Path) -> bool {
+    EXEMPT.iter().any(|exempt| file.starts_with(exempt))
 }
 
 /// Returns the faults of one line of prose, each with the number of the line.

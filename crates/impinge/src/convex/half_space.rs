@@ -4,7 +4,7 @@
 //! cofactor matrix of R, times the sign of det R, applied to n. All of that is exact, and so are
 //! the heights of vertices. Only lengths are roots; they are squared if something is decided.
 //!
-//! The proof is docs/proof.md, L21 and L28. The tests are in `tests/it/shapes/pairs.rs` and
+//! The proof is docs/notes/proof.md, L21 and L28. The tests are in `tests/it/shapes/pairs.rs` and
 //! `tests/it/shapes/surfaces.rs`.
 
 use super::depth::Depth;

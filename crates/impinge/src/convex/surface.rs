@@ -5,7 +5,7 @@
 //! answer of `distance` for a triangle. So a boolean about a polytope is exact, and if a face is
 //! undecided, the answer may be undecided.
 //!
-//! The proof is docs/proof.md, L31, and the tests are in `tests/it/shapes/surfaces.rs`.
+//! The proof is docs/notes/proof.md, L31, and the tests are in `tests/it/shapes/surfaces.rs`.
 
 use std::cell::Cell;
 use std::ops::ControlFlow::{self, Break, Continue};

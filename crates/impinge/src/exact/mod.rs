@@ -14,7 +14,7 @@
 //! - `unbounded`: integers of any size.
 //!
 //! The tests are `tests/it/exact_triangles.rs` and `tests/it/exact_crossing.rs`; the proofs are in
-//! docs/proof.md, L5 to L8.
+//! docs/notes/proof.md, L5 to L8.
 
 mod contact;
 mod corners;

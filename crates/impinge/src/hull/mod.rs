@@ -4,7 +4,7 @@
 //! Every decision is exact, so a hull exists for every set of points: flat, straight, cospherical
 //! or all in one place.
 //!
-//! The proof is docs/proof.md, L10. The tests are in `tests/it/hull`, and the benchmark is `hulls`
+//! The proof is docs/notes/proof.md, L10. The tests are in `tests/it/hull`, and the benchmark is `hulls`
 //! in `impinge-bench`.
 
 mod build;
@@ -62,7 +62,7 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 ///
 /// # Complexity
 /// Expected O(n log n) for points in general position, in any order. There is no proof for many
-/// points in one plane; docs/realigning.md has measurements of lattices and prisms. No input takes
+/// points in one plane; docs/notes/realigning.md has measurements of lattices and prisms. No input takes
 /// more than O(n² log n).
 ///
 /// # Source

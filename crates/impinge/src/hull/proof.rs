@@ -18,7 +18,7 @@
 //! compared.
 //!
 //! # Accuracy
-//! Every decision is exact (docs/proof.md, L27a). The tests are in `tests/it/hull/told_hulls.rs`
+//! Every decision is exact (docs/notes/proof.md, L27a). The tests are in `tests/it/hull/told_hulls.rs`
 //! and `proxies.rs`.
 
 use rayon::prelude::*;

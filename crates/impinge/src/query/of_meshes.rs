@@ -5,7 +5,7 @@ use super::nesting::nested;
 use super::{Distance, Proximity, Witness};
 use crate::mesh::{self, Options, PlacedMesh, WarmStart};
 
-/// Whether two meshes have a point in common.
+/// Reports whether two meshes have a point in common. `last_hit` makes a repeated query faster.
 pub(super) fn proximity(
     a: PlacedMesh<'_>,
     b: PlacedMesh<'_>,
@@ -18,7 +18,7 @@ pub(super) fn proximity(
 fn surfaces_intersect(a: PlacedMesh<'_>, b: PlacedMesh<'_>, last_hit: &mut LastHit, options: &Options<'_>) -> bool {
     if let Some(faces) = last_hit.faces_to_try() {
         let is_hit = mesh::faces_meet(a, b, faces);
-        last_hit.learn(is_hit);
+        last_hit.record_try(is_hit);
         if is_hit {
             return true;
         }
@@ -28,7 +28,8 @@ fn surfaces_intersect(a: PlacedMesh<'_>, b: PlacedMesh<'_>, last_hit: &mut LastH
     hit.is_some()
 }
 
-/// Whether two meshes are within a clearance, which is not negative.
+/// Reports whether two meshes are at most `clearance` apart. `clearance` must not be negative or
+/// NaN.
 pub(super) fn nearness(
     a: PlacedMesh<'_>,
     b: PlacedMesh<'_>,
@@ -40,12 +41,13 @@ pub(super) fn nearness(
     if near_faces.is_some() { Proximity::Meets } else { nested(a, b) }
 }
 
-/// Returns the distance of two meshes of which nothing is known from before.
+/// Returns the distance of two meshes, without state from an earlier query.
 pub(super) fn distance_without_cache(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Distance {
     distance(a, b, &mut WarmStart::default(), &Options::default())
 }
 
-/// Returns the distance of two meshes, which `warm_start` makes faster.
+/// Returns the distance of two meshes. `warm_start` holds state of the last query, which makes this
+/// one faster, and is updated.
 pub(super) fn distance(
     a: PlacedMesh<'_>,
     b: PlacedMesh<'_>,

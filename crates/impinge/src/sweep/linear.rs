@@ -10,7 +10,7 @@
 //! 2021, halve time and both parameters of the face. So ours distinguishes a miss from contact
 //! however narrow it is.
 //!
-//! The proof is docs/proof.md, L23. The tests are in `tests/it/sweep`, and the benchmark is `ccd`
+//! The proof is docs/notes/proof.md, L23. The tests are in `tests/it/sweep`, and the benchmark is `ccd`
 //! in `impinge-bench`.
 
 use super::exact::Exact;

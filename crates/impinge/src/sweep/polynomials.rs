@@ -16,7 +16,7 @@
 //! The last criterion serves if all four points are on one line and every area is zero. Each of the
 //! three is strict, so it also holds near t. It shows in the Bernstein coefficients of a short
 //! enough interval about t. So if there is no contact, halving intervals disproves it in finitely
-//! many steps (docs/proof.md, L23).
+//! many steps (docs/notes/proof.md, L23).
 
 use std::ops::{Add, Mul, Sub};
 

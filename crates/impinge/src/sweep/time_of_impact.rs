@@ -59,7 +59,7 @@ use crate::shape::{PlacedShape, Shape};
 /// # Source
 /// Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996, section 2.3. Ours
 /// advances by a proved lower bound on the distance, minus the error of rounded poses, divided by a
-/// proved upper bound on the approach speed of any two points (docs/proof.md, L24; for a shape, the
+/// proved upper bound on the approach speed of any two points (docs/notes/proof.md, L24; for a shape, the
 /// corners of its box take the place of the vertices).
 pub fn time_of_impact(
     a: impl Into<Shape>,

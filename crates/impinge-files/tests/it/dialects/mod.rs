@@ -1,5 +1,5 @@
-//! Tests of the tables of `docs/files.md`, which list the content that a file may have and the
-//! result. Every row has samples.
+//! Tests of the tables of `docs/tasks/files.md`, which list the content that a file may have and
+//! the result. Every row has samples.
 
 use std::{collections::HashSet, fs};
 
@@ -66,19 +66,19 @@ const HEADER: &str = "| The file has | Result |";
 
 #[test]
 fn the_tables_in_the_docs_equal_the_rows() {
-    let docs = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/files.md")).unwrap();
+    let docs = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/tasks/files.md")).unwrap();
     let rows = rows();
     for format in Format::ALL {
         let lines =
             rows.iter().filter(|row| row.format == format).map(|row| format!("| {} | {} |\n", row.what, row.answer));
         let table: String = lines.collect();
         let Some(section) = docs.split("\n## ").find_map(|section| section.strip_prefix(&format!("{format}\n"))) else {
-            assert!(table.is_empty(), "docs/files.md lacks the section {format} with the rows\n{table}");
+            assert!(table.is_empty(), "docs/tasks/files.md lacks the section {format} with the rows\n{table}");
             continue;
         };
         let is_row = |line: &&str| line.starts_with("| ") && *line != HEADER;
         let found: String = section.lines().filter(is_row).map(|line| format!("{line}\n")).collect();
-        assert!(found == table, "the table of {format} in docs/files.md must be\n{HEADER}\n|---|---|\n{table}");
+        assert!(found == table, "the table of {format} in docs/tasks/files.md must be\n{HEADER}\n|---|---|\n{table}");
     }
 }
 

@@ -110,7 +110,7 @@ fn gltf() -> Vec<Dialect> {
         ),
         row(
             "a skinned mesh",
-            "read as modelled, without its pose, with a warning",
+            "read as modeled, without its pose, with a warning",
             vec![("a.gltf", node(r#", "skin": 0"#))],
             read(2, &[WarningKind::Unposed]),
         ),
@@ -331,12 +331,12 @@ fn collada() -> Vec<Dialect> {
             read(2, &[]),
         ),
         row(
-            "`<unit>` of a micron, mm, cm, inch, foot or metre",
-            "stated as the model's unit; metres without one",
+            "`<unit>` of a micron, mm, cm, inch, foot or meter",
+            "stated as the model's unit; meters without one",
             vec![("a.dae", nodes(NODE)), ("b.dae", edited("<unit meter=\"0.0254\"/>", ""))],
             read(2, &[]),
         ),
-        row("`<unit>` of another length", "scaled to metres", one(edited("0.0254", "0.1")), read(2, &[])),
+        row("`<unit>` of another length", "scaled to meters", one(edited("0.0254", "0.1")), read(2, &[])),
         row(
             "`<matrix>`, `<translate>`, `<rotate>`, `<scale>`, `<lookat>`, `<skew>`",
             "applied in their order",
@@ -354,14 +354,14 @@ fn collada() -> Vec<Dialect> {
         ),
         row(
             "`<instance_controller>`: a skin or morph targets",
-            "read as modelled, without its pose, with a warning",
+            "read as modeled, without its pose, with a warning",
             one(skinned.into_bytes()),
             read(2, &[WarningKind::Unposed]),
         ),
         row("no `<scene>`", "the first visual scene is read", one(nodes(NODE)), read(2, &[])),
         row(
             "no visual scene at all",
-            "all geometries are read as they are modelled, with a warning",
+            "all geometries are read as they are modeled, with a warning",
             one(scene(QUAD, "").into_bytes()),
             read(2, &[WarningKind::NoScene]),
         ),

@@ -10,7 +10,7 @@
 //! | insertion: one box after the other | `dynamic.rs`, `../dynamic/` | O(n log n) |
 //! | any of these, then improved by moving subtrees | `reinsertion.rs` | O(n log n) and a bounded search for each node |
 //!
-//! `docs/hierarchies.md` compares their measurements. [`Builder::Auto`] follows them.
+//! `docs/notes/hierarchies.md` compares their measurements. [`Builder::Auto`] follows them.
 
 mod binned_sah;
 mod bins;

@@ -1,4 +1,4 @@
-//! The distance from the border beyond which an open mesh may be treated as closed (docs/proof.md,
+//! The distance from the border beyond which an open mesh may be treated as closed (docs/notes/proof.md,
 //! L19a).
 //!
 //! Let the cap be a surface that has the border of the mesh, reversed, as its own border. The mesh

@@ -1,7 +1,7 @@
 //! The triangles of a leaf in the metric frame, in single precision relative to a local origin, for
 //! proving eight pairs at a time too far apart to matter.
 //!
-//! Error bounds: docs/proof.md, L14. Guarded by `tests/it/distance/meshes.rs`.
+//! Error bounds: docs/notes/proof.md, L14. Guarded by `tests/it/distance/meshes.rs`.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};

@@ -1,5 +1,5 @@
 //! Fits nodes to the corners below them: computes their boxes and slabs in the packed frame,
-//! rounded outward (docs/proof.md, L1, L2a and L26).
+//! rounded outward (docs/notes/proof.md, L1, L2a and L26).
 //!
 //! All leaves of a node are processed together. Their corners are kept in single precision,
 //! relative to one corner of the patch, until the nodes above are fitted. A patch is a subtree that

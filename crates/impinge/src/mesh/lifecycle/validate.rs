@@ -1,4 +1,4 @@
-//! Validates arrays once, when they enter the library, so that no query can fail (docs/proof.md,
+//! Validates arrays once, when they enter the library, so that no query can fail (docs/notes/proof.md,
 //! L0).
 
 use rayon::prelude::*;

@@ -1,5 +1,5 @@
 //! Compares packets of triangles with packets in single precision. It finds the pairs of triangles
-//! whose boxes overlap, and classifies them: apart, intersecting or undecided (docs/proof.md, L4).
+//! whose boxes overlap, and classifies them: apart, intersecting or undecided (docs/notes/proof.md, L4).
 //!
 //! Guarded by the tests in `filter/tests.rs`, by `engine/triangle_pairs.rs` and `engine/laws.rs`,
 //! and by the benchmark `headline`.

@@ -8,7 +8,7 @@
 //! unit sphere. The descent of the mesh skips parts whose faces all share a hub.
 //!
 //! Directions are unit vectors in the mesh frame. Their boxes are enlarged by more than the
-//! rounding error, so no pair is lost (docs/proof.md, L18).
+//! rounding error, so no pair is lost (docs/notes/proof.md, L18).
 //!
 //! Guarded by the tests below and by the benchmark `solids`, "fan with itself".
 

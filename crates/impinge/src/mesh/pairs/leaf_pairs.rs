@@ -1,5 +1,5 @@
 //! Pairs of leaves that the descent reaches. They are queued until their memory is prefetched, and
-//! filtered in bulk. Undecided pairs of faces are decided exactly (docs/proof.md, L9).
+//! filtered in bulk. Undecided pairs of faces are decided exactly (docs/notes/proof.md, L9).
 //!
 //! Guarded by the tests in `engine/ways.rs` and `engine/laws.rs`, and by the benchmark `headline`.
 

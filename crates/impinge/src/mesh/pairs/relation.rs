@@ -1,5 +1,5 @@
 //! The map from one mesh's packed frame to the other's, by which the descent and the filter carry
-//! boxes and corners, with bounds of its error (docs/proof.md, L3).
+//! boxes and corners, with bounds of its error (docs/notes/proof.md, L3).
 
 use super::sides::Sides;
 use crate::hierarchy::{Askew, BoxMap, HALF_ULP, SlabMap};

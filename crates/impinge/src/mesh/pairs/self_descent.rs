@@ -4,7 +4,7 @@
 //! The simultaneous descent of two trees would find every pair of neighbors twice and every face
 //! with itself. Here a node is compared with itself by comparing its children in pairs, so every
 //! unordered pair of leaves is found at most once. Both sides are in one frame, so no box is
-//! carried and none grows (docs/proof.md, L18).
+//! carried and none grows (docs/notes/proof.md, L18).
 //!
 //! Guarded by the tests in `solids/self_intersection.rs` and by the benchmark `solids`.
 

@@ -5,7 +5,7 @@
 //! if it is on opposite sides of two edges. Ours departs in that a side only counts if it is
 //! certain. This test culls triangles, and `primitive::ray_triangle` decides about the rest.
 //!
-//! Error bound: docs/proof.md, L15. Guarded by the test below and by the benchmark `rays` of
+//! Error bound: docs/notes/proof.md, L15. Guarded by the test below and by the benchmark `rays` of
 //! `impinge-bench`.
 
 use fearless_simd::prelude::*;

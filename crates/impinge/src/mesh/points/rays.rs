@@ -4,7 +4,7 @@
 //! rounding. Ours departs in that rays are moved along themselves to near the mesh, and boxes are
 //! grown by a bound of all rounding errors. Whether a ray intersects a triangle, and which of two
 //! triangles it intersects first, is decided exactly (see `primitive::ray_triangle`). So no ray
-//! passes between two faces that share an edge or a corner (docs/proof.md, L15).
+//! passes between two faces that share an edge or a corner (docs/notes/proof.md, L15).
 //!
 //! Guarded by `tests/it/distance/rays.rs` and by the benchmark `rays` of `impinge-bench`.
 

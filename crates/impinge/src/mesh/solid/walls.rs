@@ -1,4 +1,4 @@
-//! The sides of a face on which the solid of a mesh is (docs/proof.md, L19 and L19a).
+//! The sides of a face on which the solid of a mesh is (docs/notes/proof.md, L19 and L19a).
 //!
 //! Guarded by `tests/it/solids/bricks.rs` and `open.rs`.
 

@@ -17,7 +17,7 @@
 //! for a soup of triangles, the solid angles of the faces are summed up instead. Far faces are
 //! summed up by expansions.
 //!
-//! Proof: docs/proof.md, L16 and L17. Guarded by `tests/it/solids/winding.rs` and `containment.rs`,
+//! Proof: docs/notes/proof.md, L16 and L17. Guarded by `tests/it/solids/winding.rs` and `containment.rs`,
 //! and by the benchmark `solids` of `impinge-bench`.
 
 use rayon::prelude::*;

@@ -73,7 +73,7 @@ pub fn principal_obb<T: Coordinate>(points: &[[T; 3]]) -> Result<Obb, InputError
 /// along these three directions has at most the volume √3 |pq| · √2 |rs| · w. The projection has an
 /// area of at least |rs| w / 2. The hull is convex and has a chord of length |pq| over it, so its
 /// volume is at least a third of their product: `volume_lower` is |pq| |rs| w / 6, less rounding.
-/// `docs/volumes.md` lists the ratio to the hull for real meshes.
+/// `docs/tasks/volumes.md` lists the ratio to the hull for real meshes.
 ///
 /// # Complexity
 /// About 30 passes over memory.

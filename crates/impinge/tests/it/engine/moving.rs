@@ -329,13 +329,14 @@ fn an_open_mesh_penetrates_by_its_moved_vertices() {
     let sphere = cube_sphere(8);
     // Without some neighboring faces the sphere has a hole around its first vertex.
     let faces: Vec<[u32; 3]> = sphere.faces.iter().copied().filter(|face| !face.contains(&0)).collect();
-    let made = |vertices: &[[f64; 3]]| Mesh::new(Positions::F64(vertices.to_vec()), faces.clone()).expect("a legal mesh");
+    let made =
+        |vertices: &[[f64; 3]]| Mesh::new(Positions::F64(vertices.to_vec()), faces.clone()).expect("a legal mesh");
     let hole = sphere.vertices[0];
     let mut rng = Rng::new(47);
     let (mut changed, mut decided) = (0, 0);
     for _ in 0..40 {
         let mut moving = made(&sphere.vertices);
-        let [p, q, r] = std::array::from_fn(|_| f64::from(rng.below(5) as u32) / 4.0);
+        let [p, q, r] = std::array::from_fn(|_| rng.integer(0, 4) as f64 / 4.0);
         let grown: Vec<[f64; 3]> =
             sphere.vertices.iter().map(|v| [(1.0 + p) * v[0] + q, v[1] * (1.0 - 0.5 * q), v[2] + r * v[0]]).collect();
         // A small copy near the old hole.

@@ -1,4 +1,4 @@
-//! Surfaces that are told to be hulls, of which each but the hull is refused for one reason (N34, docs/proof.md, L27a).
+//! Surfaces that are told to be hulls, of which each but the hull is refused for one reason (N34, docs/notes/proof.md, L27a).
 
 use impinge::hull::Hull;
 use impinge::volume::ProxyFlaw;

@@ -11,7 +11,7 @@
 //! `plane` has the planes and `tree` the tree with its point queries. `across` finds planes across
 //! an axis for `build`, and `cast` follows rays.
 //!
-//! Proof: docs/proof.md, L32. Guarded by `tests/it/solids/bsp.rs` and by the benchmark `solid_bsp`
+//! Proof: docs/notes/proof.md, L32. Guarded by `tests/it/solids/bsp.rs` and by the benchmark `solid_bsp`
 //! of `impinge-bench`.
 
 mod across;

@@ -83,7 +83,7 @@ impl SolidBsp {
     /// Returns an error if a coordinate is not finite, or above 2^300 in magnitude.
     ///
     /// # Accuracy
-    /// Exact for closed meshes (docs/proof.md, L32). Around an open mesh the winding number is not
+    /// Exact for closed meshes (docs/notes/proof.md, L32). Around an open mesh the winding number is not
     /// constant in a cell, so it is computed for each point.
     pub fn contains(&self, point: [f64; 3]) -> Result<Containment, InputError> {
         InputError::judge_row(&point, "point", 0)?;

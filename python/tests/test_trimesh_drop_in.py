@@ -1,4 +1,4 @@
-"""`impinge.trimesh` behaves as the collision part of trimesh does (CASES row 8: trimesh's tests/test_collision.py)."""
+"""`impinge.trimesh` behaves as `trimesh.collision`; the cases are from trimesh's tests."""
 
 import impinge
 import numpy as np
@@ -11,7 +11,7 @@ CUBE = trimesh.creation.box()
 AT_5, AT_MINUS_5 = impinge.pose([5, 0, 0]), impinge.pose([-5, 0, 0])
 
 
-def test_one_against_many():
+def test_a_mesh_collides_with_the_meshes_of_a_manager():
     manager = CollisionManager()
     manager.add_object("cube0", CUBE)
     manager.add_object("cube1", CUBE, AT_5)
@@ -33,7 +33,7 @@ def test_one_against_many():
     assert manager.in_collision_single(CUBE, return_names=True) == (True, {"cube0"})
 
 
-def test_normals_are_from_the_manager_s_own():
+def test_normals_point_away_from_the_meshes_of_the_manager():
     manager = CollisionManager()
     manager.add_object("cube", CUBE)
     _, data = manager.in_collision_single(CUBE, impinge.pose([0, 0, 0.75]), return_data=True)
@@ -41,7 +41,7 @@ def test_normals_are_from_the_manager_s_own():
         assert (contact.normal.tolist(), contact.depth) == ([0, 0, 1], pytest.approx(0.25))
 
 
-def test_within_a_manager():
+def test_meshes_within_a_manager_collide():
     manager = CollisionManager()
     manager.add_object("cube0", CUBE)
     manager.add_object("cube1", CUBE, AT_5)
@@ -56,11 +56,11 @@ def test_within_a_manager():
     assert manager.in_collision_internal() is True
     manager.remove_object("cube2")
     assert manager.in_collision_internal() is False
-    manager.add_object("cube1", CUBE, impinge.pose([0.9, 0, 0]))  # replaces
+    manager.add_object("cube1", CUBE, impinge.pose([0.9, 0, 0]))  # replaces the mesh
     assert manager.in_collision_internal(return_names=True) == (True, {("cube0", "cube1")})
 
 
-def test_manager_against_manager():
+def test_meshes_of_two_managers_collide():
     m, n = CollisionManager(), CollisionManager()
     m.add_object("cube0", CUBE)
     m.add_object("cube1", CUBE, AT_5)
@@ -73,8 +73,8 @@ def test_manager_against_manager():
     assert n.in_collision_other(m, return_names=True)[1] == {("cube3", "cube1")}
 
 
-def test_distances():
-    """CASES row 8: 4, 2, 9, 6 and 1, and -0.25 where two cubes are in each other."""
+def test_distances_equal_those_of_trimesh():
+    """Distances 4, 2, 9, 6 and 1, and -0.25 for two overlapping cubes."""
     manager = CollisionManager()
     manager.add_object("cube0", CUBE)
     assert manager.min_distance_single(CUBE, AT_5) == pytest.approx(4)
@@ -106,7 +106,7 @@ def test_distances():
     assert other.min_distance_other(manager, return_names=True) == (pytest.approx(1), ("east", "cube2"))
 
 
-def test_the_least_distance_is_that_of_a_loop():
+def test_the_minimum_distance_equals_a_loop():
     rng = np.random.default_rng(3)
     manager, ring = CollisionManager(), impinge.Mesh(*torus(12, 8))
     poses = {f"n{i}": impinge.pose(at) for i, at in enumerate(rng.uniform(-12, 12, (8, 3)))}
@@ -117,12 +117,12 @@ def test_the_least_distance_is_that_of_a_loop():
     assert far == min(each.values()) > 0
     assert each[names] == far
     manager.set_transform(names[0], poses[names[1]])
-    assert manager.min_distance_internal() == 0  # surfaces that meet
+    assert manager.min_distance_internal() == 0  # surfaces that intersect
     manager.add_object("solid", CUBE, poses[names[1]] @ impinge.pose([1, 0, 0]))
     assert manager.min_distance_internal("solid") == -1  # one of them is solid
 
 
-def test_wrong_names_and_transforms_are_value_errors():
+def test_invalid_names_and_transforms_raise_a_value_error():
     manager = CollisionManager()
     for wrong in (lambda: manager.remove_object("a"), lambda: manager.set_transform("a", np.eye(4))):
         with pytest.raises(ValueError, match="not in collision manager"):
@@ -131,8 +131,8 @@ def test_wrong_names_and_transforms_are_value_errors():
         manager.add_object("a", CUBE, np.eye(3))
 
 
-def test_seven_hundred_probes_are_all_reported():
-    """No cap on contacts may drop a pair."""
+def test_all_of_700_colliding_probes_are_reported():
+    """No limit on contacts drops a pair."""
     manager = CollisionManager()
     probe = trimesh.creation.box(extents=[0.02] * 3)
     inside = np.random.default_rng(1).uniform(-0.4, 0.4, size=(700, 3))
@@ -150,22 +150,22 @@ def test_convex_meshes_are_solids_and_others_are_surfaces():
     assert not ring.is_convex
     manager = CollisionManager()
     manager.add_object("cube", CUBE)
-    assert manager.in_collision_single(small) is True  # inside, surfaces apart
+    assert manager.in_collision_single(small) is True  # inside, surfaces are apart
     hit, data = manager.in_collision_single(small, return_data=True)
     assert hit
     assert [(c.index("cube"), c.index("__external")) for c in data] == [(-1, -1)]
-    assert manager.in_collision_single(trimesh.creation.box(extents=[9] * 3)) is True  # round it
+    assert manager.in_collision_single(trimesh.creation.box(extents=[9] * 3)) is True  # around it
     assert manager.in_collision_single(impinge.Mesh(small)) is True  # a surface inside a solid
     surfaces = CollisionManager()
     surfaces.add_object("ring", ring)
     in_tube = impinge.pose([2, 0, 0])
-    assert surfaces.in_collision_single(small, in_tube) is False  # inside a surface
+    assert surfaces.in_collision_single(small, in_tube) is False  # inside a hollow surface
     assert surfaces.in_collision_single(small, impinge.pose([1.5, 0, 0], rpy=[0.3, 0.2, 0.1])) is False
     assert surfaces.in_collision_single(small, impinge.pose([1.0, 0, 0])) is True
 
 
-def test_inside_is_decided_part_by_part():
-    """Two cubes in one mesh, of which one lies inside the solid and the other far away."""
+def test_each_component_of_a_mesh_is_tested_for_inside():
+    """One mesh has two cubes: one inside the solid, the other far away."""
     (v, f), inner = cube(-0.1, 0.1), impinge.pose([0.3, 0.2, -0.1], rpy=[1.0, 2.0, 0.4])
     pair = impinge.Mesh(np.concatenate([v + np.array([7, 0, 0]), v]), np.concatenate([f, f + 8]))
     manager = CollisionManager()
@@ -174,12 +174,12 @@ def test_inside_is_decided_part_by_part():
     assert manager.in_collision_single(pair, impinge.pose([-3.5, 0, 0])) is False
 
 
-def test_conversions():
+def test_conversions_keep_the_faces():
     assert mesh_to_BVH(CUBE).num_tries_() == 12
     assert mesh_to_convex(CUBE).num_faces == 12
 
 
-def test_scenes():
+def test_scenes_become_managers():
     scene = trimesh.Scene()
     for i, x in enumerate((0.0, 0.9, 3.0)):
         scene.add_geometry(CUBE, node_name=f"n{i}", transform=impinge.pose([x, 0, 0]))

@@ -1,4 +1,4 @@
-"""What there is to see of a thing, as text that can be compared."""
+"""Visible state of an object, as text that can be compared."""
 
 import impinge
 import numpy as np
@@ -19,11 +19,11 @@ VIEWS = [
     (set | frozenset, lambda items: sorted(map(str, items))),
     (dict, lambda items: [(str(key), value) for key, value in items.items()]),
 ]
-"""What there is to see of things that have no fields that show it."""
+"""Views of the types whose fields do not show their state: a type, and a function to its state."""
 
 
 def state(thing):
-    """What there is to see of a thing, as text."""
+    """Returns the visible state of an object as text."""
     for kind, view in VIEWS:
         if isinstance(thing, kind):
             return state(view(thing))
