@@ -36,19 +36,22 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Chore {
-    /// Fail on an import against the order of crates or modules, on files of a module that need each other, and on `unsafe`
-    /// outside its homes.
+    /// Fail on an import against the order of crates or modules, on files of a module that need
+    /// each other, and on `unsafe` outside its homes.
     Layers,
     /// Warn of source files past 400 lines, fail on those past 800.
     FileLength,
-    /// After an edit: format, check the layers, build, and run the unit tests of a room and the cases.
+    /// After an edit: format, check the layers, build, and run the unit tests of a room and the
+    /// cases.
     Quick {
-        /// A module of `impinge` by its path, such as `query` or `mesh/pairs/filter`; without it all unit tests run.
+        /// A module of `impinge` by its path, such as `query` or `mesh/pairs/filter`. Without it
+        /// all unit tests run.
         room: Option<String>,
     },
     /// Run every test, those of the Python package too, and print their counts last.
     Test,
-    /// Fail on phrases that readers stumble over, on long lines of prose, and on doc comments that begin with no verb.
+    /// Fail on phrases that readers stumble over, on long lines of prose, and on doc comments that
+    /// begin with no verb.
     Prose {
         /// Show every violation below this path alone.
         path: Option<PathBuf>,
@@ -112,8 +115,8 @@ fn main() -> Result<ExitCode> {
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Prints each violation of the order of crates and modules, and each `unsafe` outside of its homes.
-/// Returns `true` if there is none to print.
+/// Prints each violation of the order of crates and modules, and each `unsafe` outside of its
+/// homes. Returns `true` if there is nothing to print.
 fn layers_hold(root: &Path) -> Result<bool> {
     let mut violations = layers::check(root)?;
     violations.extend(unsafe_code::check(root)?);
