@@ -26,7 +26,7 @@ use std::process::ExitCode;
 use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 
-/// The chores of the workspace.
+/// Chores of the workspace.
 #[derive(Parser)]
 #[command(name = "cargo xtask")]
 struct Arguments {
@@ -36,24 +36,24 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Chore {
-    /// Fail on an import against the order of crates or modules, on files of a module that need
-    /// each other, and on `unsafe` outside its homes.
+    /// Fail on an import against the order of crates or modules, on files of a module that import
+    /// each other, and on `unsafe` outside the permitted modules.
     Layers,
-    /// Warn of source files past 400 lines, fail on those past 800.
+    /// Warn of source files with more than 400 lines, and fail on more than 800.
     FileLength,
-    /// After an edit: format, check the layers, build, and run the unit tests of a room and the
+    /// After an edit: format, check the layers, build, and run the unit tests of a module and the
     /// cases.
     Quick {
-        /// A module of `impinge` by its path, such as `query` or `mesh/pairs/filter`. Without it
-        /// all unit tests run.
+        /// Path of a module of `impinge`, such as `query` or `mesh/pairs/filter`. By default all
+        /// unit tests run.
         room: Option<String>,
     },
-    /// Run every test, those of the Python package too, and print their counts last.
+    /// Run every test, also of the Python package, and print their counts last.
     Test,
-    /// Fail on phrases that readers stumble over, on long lines of prose, and on doc comments that
-    /// begin with no verb.
+    /// Fail on banned phrases, on long lines of prose, and on doc comments that do not begin with a
+    /// verb.
     Prose {
-        /// Show every violation below this path alone.
+        /// Show only the violations below this path.
         path: Option<PathBuf>,
     },
     /// Run a benchmark and append its numbers to `bench/record/NAME/CPU.csv`.
@@ -115,8 +115,8 @@ fn main() -> Result<ExitCode> {
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Prints each violation of the order of crates and modules, and each `unsafe` outside of its
-/// homes. Returns `true` if there is nothing to print.
+/// Prints each violation of the order of crates and modules, and each `unsafe` outside the
+/// permitted modules. Returns `true` if there are no violations.
 fn layers_hold(root: &Path) -> Result<bool> {
     let mut violations = layers::check(root)?;
     violations.extend(unsafe_code::check(root)?);
@@ -127,8 +127,8 @@ fn layers_hold(root: &Path) -> Result<bool> {
     Ok(violations.is_empty())
 }
 
-/// Prints each violation of the rules of prose, below `path` if it is given, and the thermometer.
-/// Returns `true` if there is no violation.
+/// Prints each violation of the rules of prose, below `path` if it is given, and the word counts.
+/// Returns `true` if there are no violations.
 fn prose_is_plain(root: &Path, path: Option<&Path>) -> Result<bool> {
     let mut violations = prose::check(root)?;
     violations.retain(|violation| path.is_none_or(|path| violation.file.starts_with(path)));

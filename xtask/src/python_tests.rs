@@ -1,4 +1,5 @@
-//! The tests of the Python package: installed from this tree, with pinned companions, in a virtual environment of its own.
+//! Tests of the Python package. It is installed from this tree, with pinned dependencies, in its
+//! own virtual environment.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -9,12 +10,12 @@ use anyhow::{Context, Result, ensure};
 use crate::environment::Environment;
 use crate::slowest::Slowest;
 
-/// The environment, kept between runs.
+/// Folder of the virtual environment, which is kept between runs.
 const ENVIRONMENT: &str = "target/python-tests";
-/// What the tests need beside the package, every version pinned.
+/// File of the dependencies of the tests, with pinned versions.
 const REQUIREMENTS: &str = "python/requirements-test.txt";
 
-/// Numbers of tests that passed, failed and were skipped, and the slowest of them.
+/// Numbers of tests that passed, failed and were skipped, and the slowest tests.
 #[derive(Debug, Default)]
 pub(crate) struct Outcome {
     pub(crate) passed: usize,
@@ -23,7 +24,7 @@ pub(crate) struct Outcome {
     pub(crate) slowest: Slowest,
 }
 
-/// Installs the package and runs pytest on its tests and on the examples in its documentation.
+/// Installs the package, and runs pytest on its tests and on the examples in its documentation.
 pub(crate) fn run(root: &Path) -> Result<Outcome> {
     let environment = Environment::prepared(root, ENVIRONMENT, REQUIREMENTS)?;
     install(&environment, root)?;
@@ -48,8 +49,9 @@ pub(crate) fn run(root: &Path) -> Result<Outcome> {
 }
 
 impl Outcome {
-    /// Reads a line of pytest's report: a duration, `1.20s call     python/tests/test_a.py::test_b`,
-    /// or the last line, `1 failed, 334 passed, 2 skipped in 33.43s`. Ignores any other line.
+    /// Reads a line of pytest's report. It is a duration, `1.20s call
+    /// python/tests/test_a.py::test_b`, or the last line, `1 failed, 334 passed, 2 skipped in
+    /// 33.43s`. Ignores any other line.
     fn read(&mut self, line: &str) {
         if let Some((seconds, rest)) = line.trim_start().split_once("s call ") {
             if let Ok(seconds) = seconds.parse() {

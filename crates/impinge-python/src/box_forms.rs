@@ -2,7 +2,7 @@
 
 use impinge::InputError;
 use impinge::volume::{
-    AabbBatch, BoundingVolume, CentreRadius, MinMax, MinWidths, PackedCentreRadius, PackedMinWidths,
+    AabbBatch, BoundingVolume, CenterRadius, MinMax, MinWidths, PackedCenterRadius, PackedMinWidths,
 };
 use pyo3::prelude::*;
 
@@ -21,7 +21,7 @@ pub(crate) struct BoxCore(Form);
 enum Form {
     MinMax(MinMax),
     MinWidths(MinWidths),
-    CentreRadius(CentreRadius),
+    CenterRadius(CenterRadius),
 }
 
 /// Contents of `PackedMinWidths` and `PackedCenterRadius` of `impinge.fit`.
@@ -31,8 +31,8 @@ pub(crate) struct PackedCore(Packed);
 enum Packed {
     MinWidths8(PackedMinWidths<u8>),
     MinWidths16(PackedMinWidths<u16>),
-    CentreRadius8(PackedCentreRadius<u8>),
-    CentreRadius16(PackedCentreRadius<u16>),
+    CenterRadius8(PackedCenterRadius<u8>),
+    CenterRadius16(PackedCenterRadius<u16>),
 }
 
 /// Contents of `impinge.fit.AabbBatch`.
@@ -44,7 +44,7 @@ impl Form {
         match self {
             Self::MinMax(own) => own,
             Self::MinWidths(own) => own.into(),
-            Self::CentreRadius(own) => own.into(),
+            Self::CenterRadius(own) => own.into(),
         }
     }
 
@@ -85,7 +85,7 @@ impl BoxCore {
         let made = if names.1 == "widths" {
             MinWidths::new(first, second).map(Form::MinWidths)
         } else {
-            CentreRadius::new(first, second).map(Form::CentreRadius)
+            CenterRadius::new(first, second).map(Form::CenterRadius)
         };
         made.map(Self).map_err(|error| fault(&error, &names.1).raised(py))
     }
@@ -95,7 +95,7 @@ impl BoxCore {
         let (first, second, volume, area) = match self.0 {
             Form::MinMax(own) => (own.min(), own.max(), own.volume(), own.surface_area()),
             Form::MinWidths(own) => (own.min(), own.widths(), own.volume(), own.surface_area()),
-            Form::CentreRadius(own) => (own.centre(), own.half_extents(), own.volume(), own.surface_area()),
+            Form::CenterRadius(own) => (own.center(), own.half_extents(), own.volume(), own.surface_area()),
         };
         let columns = (array(py, first.to_vec(), &[3])?, array(py, second.to_vec(), &[3])?, volume, area);
         Ok(columns.into_pyobject(py)?.into_any())
@@ -112,10 +112,10 @@ impl BoxCore {
         })
     }
 
-    fn to_centre_radius(&self) -> Self {
+    fn to_center_radius(&self) -> Self {
         Self(match self.0 {
-            Form::CentreRadius(_) => self.0,
-            form => Form::CentreRadius(form.min_max().into()),
+            Form::CenterRadius(_) => self.0,
+            form => Form::CenterRadius(form.min_max().into()),
         })
     }
 
@@ -123,7 +123,7 @@ impl BoxCore {
         self.0.with_same_form(other, |own, other| match (own, other) {
             (Form::MinMax(own), Form::MinMax(other)) => Some(own.overlaps(&other)),
             (Form::MinWidths(own), Form::MinWidths(other)) => Some(own.overlaps(&other)),
-            (Form::CentreRadius(own), Form::CentreRadius(other)) => Some(own.overlaps(&other)),
+            (Form::CenterRadius(own), Form::CenterRadius(other)) => Some(own.overlaps(&other)),
             _ => None,
         })
     }
@@ -132,7 +132,7 @@ impl BoxCore {
         self.0.with_same_form(other, |own, other| match (own, other) {
             (Form::MinMax(own), Form::MinMax(other)) => Some(own.encloses(&other)),
             (Form::MinWidths(own), Form::MinWidths(other)) => Some(own.encloses(&other)),
-            (Form::CentreRadius(own), Form::CentreRadius(other)) => Some(own.encloses(&other)),
+            (Form::CenterRadius(own), Form::CenterRadius(other)) => Some(own.encloses(&other)),
             _ => None,
         })
     }
@@ -141,7 +141,7 @@ impl BoxCore {
         let merged = self.0.with_same_form(other, |own, other| match (own, other) {
             (Form::MinMax(own), Form::MinMax(other)) => Some(Form::MinMax(own.merged(&other))),
             (Form::MinWidths(own), Form::MinWidths(other)) => Some(Form::MinWidths(own.merged(&other))),
-            (Form::CentreRadius(own), Form::CentreRadius(other)) => Some(Form::CentreRadius(own.merged(&other))),
+            (Form::CenterRadius(own), Form::CenterRadius(other)) => Some(Form::CenterRadius(own.merged(&other))),
             _ => None,
         });
         merged.map(Self)
@@ -153,7 +153,7 @@ impl BoxCore {
         let holds = |&point: &[f64; 3]| match self.0 {
             Form::MinMax(own) => own.contains(point),
             Form::MinWidths(own) => own.contains(point),
-            Form::CentreRadius(own) => own.contains(point),
+            Form::CenterRadius(own) => own.contains(point),
         };
         array(points.py(), rows.iter().map(holds).collect(), &shape)
     }
@@ -164,7 +164,7 @@ impl BoxCore {
         let moved = match self.0 {
             Form::MinMax(own) => own.moved(pose).map(Form::MinMax),
             Form::MinWidths(own) => own.moved(pose).map(Form::MinWidths),
-            Form::CentreRadius(own) => own.moved(pose).map(Form::CentreRadius),
+            Form::CenterRadius(own) => own.moved(pose).map(Form::CenterRadius),
         };
         moved.map(Self).map_err(|error| fault(&error, "pose").at(Vec::new()).raised(py))
     }
@@ -173,8 +173,8 @@ impl BoxCore {
     /// its widths.
     fn packed(&self, py: Python<'_>, bits: u32) -> PyResult<PackedCore> {
         let packed = match (self.0, bits) {
-            (Form::CentreRadius(own), 8) => own.try_into().map(Packed::CentreRadius8),
-            (Form::CentreRadius(own), _) => own.try_into().map(Packed::CentreRadius16),
+            (Form::CenterRadius(own), 8) => own.try_into().map(Packed::CenterRadius8),
+            (Form::CenterRadius(own), _) => own.try_into().map(Packed::CenterRadius16),
             (Form::MinWidths(own), 8) => own.try_into().map(Packed::MinWidths8),
             (Form::MinWidths(own), _) => own.try_into().map(Packed::MinWidths16),
             (Form::MinMax(own), 8) => MinWidths::from(own).try_into().map(Packed::MinWidths8),
@@ -191,8 +191,8 @@ impl PackedCore {
         BoxCore(match self.0 {
             Packed::MinWidths8(own) => Form::MinWidths(own.into()),
             Packed::MinWidths16(own) => Form::MinWidths(own.into()),
-            Packed::CentreRadius8(own) => Form::CentreRadius(own.into()),
-            Packed::CentreRadius16(own) => Form::CentreRadius(own.into()),
+            Packed::CenterRadius8(own) => Form::CenterRadius(own.into()),
+            Packed::CenterRadius16(own) => Form::CenterRadius(own.into()),
         })
     }
 
@@ -201,8 +201,8 @@ impl PackedCore {
         match &self.0 {
             Packed::MinWidths8(own) => size_of_val(own),
             Packed::MinWidths16(own) => size_of_val(own),
-            Packed::CentreRadius8(own) => size_of_val(own),
-            Packed::CentreRadius16(own) => size_of_val(own),
+            Packed::CenterRadius8(own) => size_of_val(own),
+            Packed::CenterRadius16(own) => size_of_val(own),
         }
     }
 }

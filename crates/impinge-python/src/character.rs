@@ -125,7 +125,7 @@ impl CharacterCore {
     fn shapes<'py>(&self, py: Python<'py>) -> PyResult<Vec<ShapeRow<'py>>> {
         let of = |part: &impinge::character::HitPart| {
             let (points, numbers) = match part.volume() {
-                HitVolume::Sphere(sphere) => (vec![sphere.centre()], vec![sphere.radius()]),
+                HitVolume::Sphere(sphere) => (vec![sphere.center()], vec![sphere.radius()]),
                 HitVolume::Capsule(capsule) => (capsule.ends().to_vec(), vec![capsule.radius()]),
                 HitVolume::Box(obb) => (Vec::new(), obb.half_extents().to_vec()),
                 HitVolume::Lozenge(plate) => {
@@ -193,7 +193,7 @@ impl CharacterCore {
 /// Returns the points whose hull is swept by the sphere of a volume, and the radius of the sphere.
 fn core(volume: &HitVolume) -> (Vec<[f64; 3]>, f64) {
     match volume {
-        HitVolume::Sphere(sphere) => (vec![sphere.centre()], sphere.radius()),
+        HitVolume::Sphere(sphere) => (vec![sphere.center()], sphere.radius()),
         HitVolume::Capsule(capsule) => (capsule.ends().to_vec(), capsule.radius()),
         HitVolume::Box(obb) => (obb.corners().to_vec(), 0.0),
         HitVolume::Lozenge(plate) => {

@@ -205,7 +205,7 @@ fn write<T: Send + 'static>(
 /// multiple of the other, and twice otherwise.
 fn converted(positions: Positions, from: Unit, to: Unit) -> Positions {
     // Whole numbers of micrometers.
-    let [from, to] = [from, to].map(|unit| (unit.metres() * 1e6).round());
+    let [from, to] = [from, to].map(|unit| (unit.meters() * 1e6).round());
     if from == to {
         return positions;
     }

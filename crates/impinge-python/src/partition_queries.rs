@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use impinge::partition::{Neighbour, Partition, Ray, RayVisit};
+use impinge::partition::{Neighbor, Partition, Ray, RayVisit};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, ragged, row_array};
@@ -120,7 +120,7 @@ pub(crate) fn partition_nearest<'py>(
     keys.try_reserve_exact(places).map_err(|_| refused())?;
     distances.try_reserve_exact(places).map_err(|_| refused())?;
     for (at, near) in found.iter().enumerate() {
-        keys.extend(near.iter().map(|near: &Neighbour| i64::from(near.key)));
+        keys.extend(near.iter().map(|near: &Neighbor| i64::from(near.key)));
         distances.extend(near.iter().map(|near| near.distance_squared.sqrt()));
         keys.resize((at + 1) * count, -1);
         distances.resize((at + 1) * count, f64::INFINITY);

@@ -49,7 +49,7 @@ impl Numbers {
 
     /// Returns the center, the radius, and a lower bound of the radius of the smallest sphere.
     fn of_sphere(sphere: &BoundingSphere, lower: f64) -> Self {
-        Self::of(sphere, &[sphere.centre()], &[sphere.radius(), lower])
+        Self::of(sphere, &[sphere.center()], &[sphere.radius(), lower])
     }
 
     fn of_fitted(fitted: fit::FittedSphere) -> Self {
@@ -73,7 +73,7 @@ impl Numbers {
     /// box.
     fn of_obb(obb: &Obb, lower: f64) -> Self {
         let [x, y, z] = obb.axes();
-        Self::of(obb, &[obb.centre(), x, y, z, obb.half_extents()], &[lower])
+        Self::of(obb, &[obb.center(), x, y, z, obb.half_extents()], &[lower])
     }
 
     /// Returns the directions, the minima along them, then the maxima.

@@ -26,7 +26,7 @@ use crate::world_bodies::{BROAD_PHASES, KINDS, NARROW_PHASES, REALIGNMENTS, chos
 const VERSION: u32 = 2;
 
 /// Proximities of pairs as data. Pairs that are apart have no proximity.
-const PROXIMITIES: [Option<Proximity>; 3] = [None, Some(Proximity::Meets), Some(Proximity::Undecided)];
+const PROXIMITIES: [Option<Proximity>; 3] = [None, Some(Proximity::Intersects), Some(Proximity::Undecided)];
 
 const CHANGES: [Change; 4] = [Change::No, Change::Moved, Change::Place, Change::Traits];
 

@@ -1,7 +1,8 @@
-//! The prose of the project: phrases that readers stumble over, long lines, and doc comments that do not begin with a verb.
+//! The prose of the project: phrases that readers stumble over, long lines, and doc comments that
+//! do not begin with a verb.
 //!
-//! [`check`] returns each violation, and [`thermometer::measure`] counts words that tell plain English from a dialect.
-//! CONTRIBUTING.md has the rules for writers.
+//! [`check`] returns each violation, and [`thermometer::measure`] counts words that tell plain
+//! English from a dialect. CONTRIBUTING.md has the rules for writers.
 
 mod comments;
 mod first_word;

@@ -97,7 +97,7 @@ pub fn within<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, cleara
 
 /// Returns whether the distance of two things is at most `clearance`, or that this is undecided.
 ///
-/// [`Proximity::Meets`] means that it is. A clearance of zero gives the answer of
+/// [`Proximity::Intersects`] means that it is. A clearance of zero gives the answer of
 /// [`proximity`](super::proximity()). The function never fails; it returns
 /// [`Apart`](Proximity::Apart) if `clearance` is negative or NaN, or if a mesh is empty. Accuracy
 /// and complexity are those of [`within`].
@@ -109,7 +109,7 @@ pub fn within<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, cleara
 /// let sphere = Shape::sphere([0.0; 3], 1.0)?;
 /// let [here, there] = [0.0, 3.0].map(|x| sphere.at(Pose::from_translation([x, 0.0, 0.0]).unwrap()).unwrap());
 /// assert_eq!(query::nearness(&here, &there, 0.5), Proximity::Apart);
-/// assert_eq!(query::nearness(&here, &there, 1.5), Proximity::Meets);
+/// assert_eq!(query::nearness(&here, &there, 1.5), Proximity::Intersects);
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 #[must_use]

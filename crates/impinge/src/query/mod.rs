@@ -81,7 +81,7 @@ pub use curves::{Curves, curves_of_pairs, intersection_curves};
 pub use distance::{distance, nearness, within};
 pub use intersects::{intersects, proximity};
 pub use nesting::{Contained, SolidIntersection, solid_intersection, solid_intersection_of_pairs};
-pub use pairs::{SomePairs, intersecting_pairs, intersecting_pairs_up_to};
+pub use pairs::{LimitedPairs, intersecting_pairs, intersecting_pairs_up_to};
 pub(crate) use patches::contacts_of_patches;
 pub(crate) use patches::normals_of_regions;
 pub use patches::{ContactPatch, contact_patches};

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::{Proximity, intersecting_pairs};
 use crate::exact::{Placement, PosedPoint, Spot};
-use crate::mesh::{Components, Containment, Judge, Mesh, PlacedMesh};
+use crate::mesh::{Components, Containment, Mesh, PlacedMesh, PointClassifier};
 
 /// Which mesh has a connected component inside the other one, without touching its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -148,7 +148,7 @@ pub(super) fn nested(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Proximity {
         })
     };
     if (b.is_solid && any(a, b)) || (a.is_solid && any(b, a)) {
-        Proximity::Meets
+        Proximity::Intersects
     } else if is_undecided.into_inner() {
         Proximity::Undecided
     } else {
@@ -193,6 +193,6 @@ impl<'m> Nesting<'m> {
 
     /// Returns whether a corner of the inner mesh is inside the outer one.
     fn containment(&self, corner: [f64; 3]) -> Containment {
-        Judge::new(self.outer).containment(&PosedPoint::new(&self.placement, Spot::At(corner)))
+        PointClassifier::new(self.outer).containment(&PosedPoint::new(&self.placement, Spot::At(corner)))
     }
 }

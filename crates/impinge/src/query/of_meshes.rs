@@ -12,12 +12,12 @@ pub(super) fn proximity(
     last_hit: &mut LastHit,
     options: &Options<'_>,
 ) -> Proximity {
-    if surfaces_intersect(a, b, last_hit, options) { Proximity::Meets } else { nested(a, b) }
+    if surfaces_intersect(a, b, last_hit, options) { Proximity::Intersects } else { nested(a, b) }
 }
 
 fn surfaces_intersect(a: PlacedMesh<'_>, b: PlacedMesh<'_>, last_hit: &mut LastHit, options: &Options<'_>) -> bool {
     if let Some(faces) = last_hit.faces_to_try() {
-        let is_hit = mesh::faces_meet(a, b, faces);
+        let is_hit = mesh::faces_intersect(a, b, faces);
         last_hit.record_try(is_hit);
         if is_hit {
             return true;
@@ -38,7 +38,7 @@ pub(super) fn nearness(
     options: &Options<'_>,
 ) -> Proximity {
     let near_faces = mesh::within(a, b, clearance, warm_start, options);
-    if near_faces.is_some() { Proximity::Meets } else { nested(a, b) }
+    if near_faces.is_some() { Proximity::Intersects } else { nested(a, b) }
 }
 
 /// Returns the distance of two meshes, without state from an earlier query.
@@ -60,10 +60,10 @@ pub(super) fn distance(
     let ([point_a, point_b], upper) = (found.points, found.upper);
     let witness = Some(Witness { point_a, point_b, faces: Some(found.faces) });
     if upper == 0.0 {
-        return Distance { lower: found.lower, upper, witness, proximity: Proximity::Meets };
+        return Distance { lower: found.lower, upper, witness, proximity: Proximity::Intersects };
     }
     match nested(a, b) {
-        Proximity::Meets => Distance { lower: 0.0, upper: 0.0, witness: None, proximity: Proximity::Meets },
+        Proximity::Intersects => Distance { lower: 0.0, upper: 0.0, witness: None, proximity: Proximity::Intersects },
         Proximity::Undecided => Distance { lower: 0.0, upper, witness, proximity: Proximity::Undecided },
         Proximity::Apart => Distance { lower: found.lower, upper, witness, proximity: Proximity::Apart },
     }

@@ -32,7 +32,7 @@ pub fn intersecting_pairs<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<Pla
 
 /// Intersecting pairs of faces up to a limit.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SomePairs {
+pub struct LimitedPairs {
     /// First pairs in sorted order, each a face of `a` and a face of `b`.
     pub pairs: Vec<[u32; 2]>,
     /// Whether there are more pairs than the limit.
@@ -65,7 +65,7 @@ pub fn intersecting_pairs_up_to<'a, 'b>(
     a: impl Into<PlacedMesh<'a>>,
     b: impl Into<PlacedMesh<'b>>,
     limit: usize,
-) -> SomePairs {
+) -> LimitedPairs {
     Query::new().intersecting_pairs_up_to(a, b, limit)
 }
 
@@ -88,7 +88,7 @@ impl Query<'_> {
         a: impl Into<PlacedMesh<'a>>,
         b: impl Into<PlacedMesh<'b>>,
         limit: usize,
-    ) -> SomePairs {
+    ) -> LimitedPairs {
         // One more pair than wanted shows whether there are more.
         let found = collect_intersecting(a.into(), b.into(), limit.saturating_add(1), &self.options);
         let mut pairs = pair_order::sorted(found);
@@ -99,6 +99,6 @@ impl Query<'_> {
             // capacity would add up.
             pairs.shrink_to_fit();
         }
-        SomePairs { pairs, truncated }
+        LimitedPairs { pairs, truncated }
     }
 }

@@ -29,7 +29,7 @@ use std::collections::hash_map::Entry;
 use rayon::prelude::*;
 
 use crate::exact::{Contact, Corners, EdgeLine, Fan, Placement, PosedPoint, Spot, contact};
-use crate::mesh::{Components, Containment, Judge, Mesh, PlacedMesh, Wall, Walls};
+use crate::mesh::{Components, Containment, Mesh, PlacedMesh, PointClassifier, Wall, Walls};
 
 /// Verdict whether the interiors of two solids intersect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -168,7 +168,7 @@ impl<'m> Solids<'m> {
                 fan.add(side == 1, &self.mesh(side).corners(face), front, back);
             }
         }
-        Penetrates::surely(fan.interiors_meet())
+        Penetrates::surely(fan.interiors_intersect())
     }
 
     /// Returns whether a connected part of one mesh lies inside the other mesh. Only parts are
@@ -185,13 +185,13 @@ impl<'m> Solids<'m> {
             is_free[parts.of_face[pair[inner] as usize] as usize] = false;
         }
         let placement = Placement::new(&self.placed[1 - inner].world_from_mesh, &self.placed[inner].world_from_mesh);
-        let inside = |classifier: &mut Judge<'_>, face: u32| is_inside(classifier, mesh, &placement, face);
+        let inside = |classifier: &mut PointClassifier<'_>, face: u32| is_inside(classifier, mesh, &placement, face);
         let faces = representatives(mesh, parts, outer.is_closed());
         let mut answers: Vec<Option<Penetrates>> = is_free
             .par_iter()
             .zip(faces)
             .map_init(
-                || Judge::new(outer),
+                || PointClassifier::new(outer),
                 |classifier, (&is_free, face)| match face {
                     Some(face) if is_free => inside(classifier, face),
                     // A contact decides instead, or no face of the part counts.
@@ -202,7 +202,7 @@ impl<'m> Solids<'m> {
         // If the outer mesh is closed, any point of a part decides for all of it. If it is open,
         // only one face of each part is checked, which is the same for any order of the faces.
         if outer.is_closed() && answers.contains(&None) {
-            let mut classifier = Judge::new(outer);
+            let mut classifier = PointClassifier::new(outer);
             for face in 0..mesh.faces().len() as u32 {
                 let part = parts.of_face[face as usize];
                 if part != Components::NONE && answers[part as usize].is_none() && mesh.counts(face) {
@@ -254,7 +254,12 @@ fn sorted_corners(mesh: &Mesh, face: u32) -> Corners {
 /// Returns whether a face of one mesh has its own solid beside it and lies inside the other mesh.
 /// Returns `None` if the checked points do not decide, because they lie on the other surface or the
 /// solid is not beside them.
-fn is_inside(classifier: &mut Judge<'_>, mesh: &Mesh, placement: &Placement, face: u32) -> Option<Penetrates> {
+fn is_inside(
+    classifier: &mut PointClassifier<'_>,
+    mesh: &Mesh,
+    placement: &Placement,
+    face: u32,
+) -> Option<Penetrates> {
     let [p, q, r] = sorted_corners(mesh, face);
     [[p, q, r], [q, r, p], [r, p, q]].into_iter().find_map(|corners| {
         match classifier.containment(&PosedPoint::new(placement, Spot::Within(corners))) {

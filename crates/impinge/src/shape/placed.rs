@@ -104,13 +104,13 @@ impl Shape {
     ///
     /// # Errors
     /// As for [`at`](Self::at).
-    pub(crate) fn judge(&self, world_from_local: &Pose) -> Result<(), InputError> {
+    pub(crate) fn check_pose(&self, world_from_local: &Pose) -> Result<(), InputError> {
         match &self.0 {
             Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. } => Ok(()),
             Kind::Round { radius, .. } => images_of_radius(*radius, world_from_local).map(drop),
-            Kind::Compound(parts) => parts
-                .iter()
-                .try_for_each(|(part, compound_from_part)| part.judge(&world_from_local.compose(compound_from_part)?)),
+            Kind::Compound(parts) => parts.iter().try_for_each(|(part, compound_from_part)| {
+                part.check_pose(&world_from_local.compose(compound_from_part)?)
+            }),
         }
     }
 }

@@ -43,7 +43,7 @@ impl Leaf {
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, leaf: u32, packet: &Packet<'_>, mesh: &Mesh, map: &MetricMap) -> Self {
         let unit = 1.0 / mesh.0.frame.scale;
-        let [x, y, z] = packet.anchor;
+        let [x, y, z] = packet.local_origin;
         let linear = map.linear.map(|row| row.map(|entry| entry * unit));
         let origin = by_axis!(axis => {
             let row = &linear[axis];

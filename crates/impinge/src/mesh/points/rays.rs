@@ -39,8 +39,8 @@ impl Ray {
     /// Returns an error if a number is not finite or above 2^300 in magnitude, or if the direction
     /// is zero.
     pub fn new(origin: [f64; 3], direction: [f64; 3]) -> Result<Self, InputError> {
-        InputError::judge_row(&origin, "ray origin", 0)?;
-        InputError::judge_row(&direction, "ray direction", 0)?;
+        InputError::validate_row(&origin, "ray origin", 0)?;
+        InputError::validate_row(&direction, "ray direction", 0)?;
         if direction == [0.0; 3] {
             return Err(InputError::new(InputErrorKind::ZeroDirection { index: 0 }));
         }

@@ -59,7 +59,7 @@ impl<T> Answers<T> {
 
     /// Sets the status of each row whose answer `is_undecided` to `Undecided`. A row with an
     /// invalid pose keeps its status.
-    pub(crate) fn judged(mut self, is_undecided: impl Fn(&T) -> bool) -> Self {
+    pub(crate) fn mark_undecided(mut self, is_undecided: impl Fn(&T) -> bool) -> Self {
         for (status, value) in self.status.iter_mut().zip(&self.values) {
             if *status == Status::Ok && is_undecided(value) {
                 *status = Status::Undecided;

@@ -115,7 +115,7 @@ impl Poses {
 
     /// Adds an error to each row whose pose `check` rejects. A row keeps an error that it already
     /// has.
-    pub(crate) fn refuse(&mut self, check: impl Fn(&Pose) -> Result<(), InputError>) {
+    pub(crate) fn reject_if(&mut self, check: impl Fn(&Pose) -> Result<(), InputError>) {
         for (row, pose) in self.poses.iter().enumerate() {
             if let Err(error) = check(pose) {
                 self.faults.entry(row).or_insert(error);

@@ -22,7 +22,7 @@ impl Side {
     /// Checks the poses against the shape: round shapes need rigid poses.
     pub(super) fn new(shape: Shape, mut poses: Poses) -> Self {
         if !shape.is_affine() {
-            poses.refuse(|pose| shape.judge(pose));
+            poses.reject_if(|pose| shape.check_pose(pose));
         }
         Self { shape, poses, placed: None }
     }

@@ -10,7 +10,7 @@ use super::side::Side;
 use crate::mesh::Interrupt;
 use crate::query::penetration::solid;
 use crate::query::{
-    Cache, ContactOptions, Curves, Distance, Manifold, Penetrates, Penetration, Placed, Proximity, Query, SomePairs,
+    Cache, ContactOptions, Curves, Distance, LimitedPairs, Manifold, Penetrates, Penetration, Placed, Proximity, Query,
     intersection_curves, nearness, penetrates, penetration, proximity,
 };
 use crate::shape::Shape;
@@ -111,7 +111,7 @@ impl<'e> Batch<'e> {
     /// As for [`each`](Self::each).
     pub fn proximity(&self) -> Result<Answers<Proximity>, Stopped> {
         let answers = self.each(Proximity::Undecided, |query, a, b| query.proximity(a, b))?;
-        Ok(answers.judged(|&found| found == Proximity::Undecided))
+        Ok(answers.mark_undecided(|&found| found == Proximity::Undecided))
     }
 
     /// Returns [`intersects`](crate::query::intersects()) for each row. The safe answer is `true`.
@@ -128,7 +128,7 @@ impl<'e> Batch<'e> {
     /// As for [`each`](Self::each).
     pub fn nearness(&self, clearance: f64) -> Result<Answers<Proximity>, Stopped> {
         let answers = self.each(Proximity::Undecided, |query, a, b| query.nearness(a, b, clearance))?;
-        Ok(answers.judged(|&found| found == Proximity::Undecided))
+        Ok(answers.mark_undecided(|&found| found == Proximity::Undecided))
     }
 
     /// Returns [`within`](crate::query::within()) for each row. The safe answer is `true`.
@@ -147,7 +147,7 @@ impl<'e> Batch<'e> {
     pub fn distance(&self) -> Result<Answers<Distance>, Stopped> {
         const SAFE: Distance = Distance { lower: 0.0, upper: 0.0, witness: None, proximity: Proximity::Undecided };
         let answers = self.each(SAFE, |query, a, b| query.distance(a, b))?;
-        Ok(answers.judged(|found| found.proximity == Proximity::Undecided))
+        Ok(answers.mark_undecided(|found| found.proximity == Proximity::Undecided))
     }
 
     /// Returns [`penetrates`](crate::query::penetrates()) for each row. The safe answer is
@@ -157,7 +157,7 @@ impl<'e> Batch<'e> {
     /// As for [`each`](Self::each).
     pub fn penetrates(&self) -> Result<Answers<Penetrates>, Stopped> {
         let answers = self.each(Penetrates::Undecided, |_, a, b| penetrates(a, b))?;
-        Ok(answers.judged(|&found| found == Penetrates::Undecided))
+        Ok(answers.mark_undecided(|&found| found == Penetrates::Undecided))
     }
 
     /// Returns [`penetration`](crate::query::penetration()) for each row. The safe answer is a
@@ -172,7 +172,7 @@ impl<'e> Batch<'e> {
             let may_touch = found.is_some_and(|found| found.lower == 0.0);
             (found, may_touch && proximity(solid(&a), solid(&b)) == Proximity::Undecided)
         })?;
-        Ok(answers.judged(|found| found.1).map(|found| found.0))
+        Ok(answers.mark_undecided(|found| found.1).map(|found| found.0))
     }
 
     /// Returns [`contacts`](crate::query::contacts()) for each row, with these options. The safe
@@ -187,7 +187,7 @@ impl<'e> Batch<'e> {
             let may_touch = !is_exact && !found.is_empty();
             (found, may_touch && nearness(&a, &b, options.margin.max(0.0)) == Proximity::Undecided)
         })?;
-        Ok(answers.judged(|found| found.1).map(|found| found.0))
+        Ok(answers.mark_undecided(|found| found.1).map(|found| found.0))
     }
 
     /// Returns [`intersecting_pairs`](crate::query::intersecting_pairs()) for each row. The list is
@@ -209,8 +209,8 @@ impl<'e> Batch<'e> {
     ///
     /// # Errors
     /// As for [`each`](Self::each).
-    pub fn intersecting_pairs_up_to(&self, limit: usize) -> Result<Answers<SomePairs>, Stopped> {
-        let none = SomePairs { pairs: Vec::new(), truncated: false };
+    pub fn intersecting_pairs_up_to(&self, limit: usize) -> Result<Answers<LimitedPairs>, Stopped> {
+        let none = LimitedPairs { pairs: Vec::new(), truncated: false };
         self.each(none.clone(), |query, a, b| match (a.mesh(), b.mesh()) {
             (Some(a), Some(b)) => query.intersecting_pairs_up_to(a, b, limit),
             _ => none.clone(),

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use super::PairCrossing;
 use crate::exact::{Corners, Crossing, Feature, Joint, Placement, PosedPoint, Spot};
 use crate::math::vec3::sub;
-use crate::mesh::{Containment, Judge, Mesh, PlacedMesh};
+use crate::mesh::{Containment, Mesh, PlacedMesh, PointClassifier};
 
 /// Minimum number of point queries that a thread takes at a time. With fewer queries, threads cost
 /// more than they save.
@@ -46,14 +46,14 @@ impl<'m> Interior<'m> {
         crossings.iter().for_each(|found| is_touched[found.pair[side] as usize] = true);
         let placement = Placement::new(&other.world_from_mesh, &own.world_from_mesh);
         let groups = groups(mesh, touched_edges(mesh, other.mesh, crossings, side));
-        let is_inside = |classifier: &mut Judge<'_>, group: &Vec<u32>| {
+        let is_inside = |classifier: &mut PointClassifier<'_>, group: &Vec<u32>| {
             let spot = Spot::At(mesh.positions().get(group[0] as usize));
             classifier.containment(&PosedPoint::new(&placement, spot)) == Containment::Inside
         };
         let inside: Vec<bool> = groups
             .par_iter()
             .with_min_len(MIN_QUERIES_PER_TASK)
-            .map_init(|| Judge::new(other.mesh), is_inside)
+            .map_init(|| PointClassifier::new(other.mesh), is_inside)
             .collect();
         let mut at_curves: Vec<u32> =
             groups.into_iter().zip(inside).filter(|(_, is_inside)| *is_inside).flat_map(|(group, _)| group).collect();

@@ -353,7 +353,7 @@ impl Place {
 fn separation_of_surfaces(a: &Surface<'_>, b: &Surface<'_>, warm_start: &mut WarmStart) -> Separation {
     let found = of_meshes::distance(surface_of(a), surface_of(b), warm_start, &Options::default());
     let points = found.witness.map_or([[0.0; 3]; 2], |witness| [witness.point_a, witness.point_b]);
-    let proximity = if found.upper > 0.0 { Proximity::Apart } else { Proximity::Meets };
+    let proximity = if found.upper > 0.0 { Proximity::Apart } else { Proximity::Intersects };
     Separation { lower: found.lower, upper: found.upper, points, proximity }
 }
 

@@ -185,9 +185,9 @@ fn sphere_in_part(part: &PlacedShape, point: &Vector, known: Option<&InnerSphere
     let swept = Swept { core: Core::Points(&corner), pose: &Pose::IDENTITY, radius: [0.0; 2] };
     let found = match part.form() {
         Form::Convex(shape) => {
-            (convex::nearness(&shape, &swept, 0.0) == Proximity::Meets).then(|| depth(&shape, &swept))
+            (convex::nearness(&shape, &swept, 0.0) == Proximity::Intersects).then(|| depth(&shape, &swept))
         }
-        Form::HalfSpace(plane) => (plane.nearness(&swept, 0.0) == Proximity::Meets).then(|| plane.depth(&swept)),
+        Form::HalfSpace(plane) => (plane.nearness(&swept, 0.0) == Proximity::Intersects).then(|| plane.depth(&swept)),
         Form::Surface(surface) => {
             let is_known = known.is_some_and(|known| length(&sub(point, &known.center)) < known.radius);
             let is_inside = is_known || surface.containment(&swept) == Containment::Inside;

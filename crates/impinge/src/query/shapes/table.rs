@@ -19,7 +19,7 @@ pub(in crate::query) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f6
     let mut answer = Proximity::Apart;
     for [number_a, number_b] in pairs_near(a, b, clearance) {
         match nearness_of_parts(&a.parts()[number_a as usize], &b.parts()[number_b as usize], clearance) {
-            Proximity::Meets => return Proximity::Meets,
+            Proximity::Intersects => return Proximity::Intersects,
             Proximity::Undecided => answer = Proximity::Undecided,
             Proximity::Apart => {}
         }
@@ -68,7 +68,7 @@ pub(in crate::query) fn separation(a: &PlacedShape, b: &PlacedShape) -> Separati
         let found = separation_of_parts(&a.parts()[i as usize], &b.parts()[j as usize]);
         let lower = best.lower.min(found.lower);
         let is_undecided = best.proximity == Proximity::Undecided || found.proximity == Proximity::Undecided;
-        if found.proximity == Proximity::Meets {
+        if found.proximity == Proximity::Intersects {
             return found;
         }
         if found.upper < best.upper {
@@ -95,11 +95,11 @@ fn separation_of_parts(a: &PlacedShape, b: &PlacedShape) -> Separation {
         (Form::Surface(a), Form::Surface(b)) => {
             // The nearest points are those of the surfaces, even if one mesh is inside the other.
             let found = of_meshes::distance_without_cache(surface_of(&a), surface_of(&b));
-            let proximity = if found.upper == 0.0 { Proximity::Meets } else { nested(mesh_of(&a), mesh_of(&b)) };
+            let proximity = if found.upper == 0.0 { Proximity::Intersects } else { nested(mesh_of(&a), mesh_of(&b)) };
             let [lower, upper] = match proximity {
                 Proximity::Apart => [found.lower, found.upper],
                 Proximity::Undecided => [0.0, found.upper],
-                Proximity::Meets => [0.0; 2],
+                Proximity::Intersects => [0.0; 2],
             };
             Separation { lower, upper, points: found.points().unwrap_or([[0.0; 3]; 2]), proximity }
         }
