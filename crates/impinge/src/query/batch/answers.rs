@@ -22,8 +22,9 @@ pub enum Status {
     /// A pose of this row is invalid: its linear part has no inverse. The row has the safe answer
     /// that its query documents.
     Singular = 4,
-    /// The poses are valid, but nothing is proved: the two things may or may not intersect. The row
-    /// has the answer that its query returns then, for example `true` or a lower bound of zero.
+    /// The poses are valid, but the answer is not proved, for example because round shapes nearly
+    /// touch. The row has the answer that its query returns then, such as `true` or a lower bound
+    /// of zero.
     Undecided = 5,
     /// A pose of this row is invalid for a round shape: it is more than 1e-4 from a rigid motion.
     /// The row has the safe answer that its query documents.
