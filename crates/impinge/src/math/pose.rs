@@ -18,8 +18,8 @@ const TRANSLATION_LIMIT: f64 = f64::from_bits((1023 + 300) << 52);
 /// digits per entry passes. One that was never normalized, or an angle in its place, does not.
 const QUATERNION_TOLERANCE: f64 = 1e-3;
 
-/// The affine map `x = linear · v + translation` from a local frame to the world frame. Its entries
-/// are the exact values of the floats.
+/// The affine map `x = linear · v + translation` from one frame to another, such as from a mesh
+/// frame to the world frame. Its entries are the exact values of the floats.
 ///
 /// Every invertible map within the stated range is a valid pose, shears and mirrors included. The
 /// matrix is never made orthonormal. Two poses are equal if all their entries are; zeros of either
@@ -32,7 +32,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The pose that moves nothing: the local frame is the world frame.
+    /// The pose that moves nothing: both frames are the same.
     pub const IDENTITY: Self =
         Self { linear: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3], mirrors: false };
 

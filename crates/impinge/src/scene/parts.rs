@@ -132,7 +132,8 @@ impl Scene {
     }
 
     /// Puts a part into a group. Parts of the same group are not checked against each other. `None`
-    /// takes the part out of its group: it is then checked against all parts that are not ignored.
+    /// takes the part out of its group: it is then checked against all other parts, except in
+    /// ignored pairs.
     ///
     /// # Panics
     /// As for [`name`](Self::name).
