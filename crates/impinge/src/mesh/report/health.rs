@@ -35,9 +35,9 @@ pub struct Health {
 }
 
 impl Health {
-    /// Reports whether each edge has two faces that agree on the inside. A mesh may be
-    /// [closed](Mesh::is_closed) and still not be a manifold, for example two cubes that share an
-    /// edge.
+    /// Reports whether each edge has two faces that agree on their orientation. Returns `true` for
+    /// a mesh without faces. A mesh may be [closed](Mesh::is_closed) and still not be a manifold,
+    /// for example two cubes that share an edge.
     #[must_use]
     pub fn is_manifold(&self) -> bool {
         self.open_edges + self.non_manifold_edges + self.misoriented_edges == 0
