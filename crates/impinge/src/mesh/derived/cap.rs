@@ -73,7 +73,8 @@ impl Cap {
         bounds.is_some_and(|bounds| self.boxes.iter().all(|near| !grown(near, 2.0 * self.reach).overlaps(&bounds)))
     }
 
-    /// Returns boxes in the world that hold everything within reach of the border.
+    /// Returns boxes in the world frame, rounded outward, that hold everything within reach of the
+    /// border.
     ///
     /// # Errors
     /// Returns an error if a box is beyond the range of [`MinMax`].
@@ -150,7 +151,7 @@ fn scaled_difference(from: [f64; 3], to: [f64; 3], size: f64) -> [f64; 3] {
     std::array::from_fn(|k| (to[k] - from[k]) / size)
 }
 
-/// Returns the smallest box of some points, or `None` if there are no points.
+/// Returns the smallest box that holds some points, or `None` if there are no points.
 pub(in crate::mesh) fn bounds_of(points: impl Iterator<Item = [f64; 3]>) -> Option<MinMax> {
     points.map(|point| MinMax::from_ordered(point, point)).reduce(|all, point| all.merged(&point))
 }

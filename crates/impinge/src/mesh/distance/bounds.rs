@@ -44,7 +44,7 @@ const ROUNDING: f64 = 1.0 / (1_u64 << 20) as f64;
 pub(super) struct LaneBounds {
     /// Bound of each lane, comparable with [`Bounds::limit`].
     pub(super) bounds: [f32; LANES],
-    /// Order in which the boxes are worth processing, least first.
+    /// Sort key of each lane: the box with the least key is processed first.
     pub(super) order: [f32; LANES],
     /// Lanes whose bound is not above the limit, as bits. The bits of unused lanes may be set, so
     /// callers mask them out. A bound that is NaN proves nothing, so its bit is set.

@@ -107,9 +107,9 @@ impl Mesh {
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     ///
-    /// Faces are closed, and count from both sides: edges, corners and triangles without area
-    /// count. A ray within the plane of a face intersects the face in the first point that they
-    /// share.
+    /// Faces are closed, so their edges and corners count. A face counts from both sides, and a
+    /// triangle without area counts too. A ray within the plane of a face intersects the face in
+    /// the first point that they share.
     #[must_use]
     pub fn ray_cast(&self, ray: &Ray) -> Option<RayHit> {
         let mut first = First { mesh: self, ray, best: None };
