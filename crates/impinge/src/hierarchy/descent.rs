@@ -114,8 +114,7 @@ struct RunState {
 pub(crate) enum Order {
     /// Opens the last task first, and at most `most` tasks.
     DepthFirst {
-        /// Number of tasks popped early for prefetching: 1 is fastest for one pair, [`QUEUE`] for
-        /// all.
+        /// Number of tasks popped early for prefetching: best 1 for one pair, [`QUEUE`] for all.
         ahead: usize,
         most: usize,
     },

@@ -59,7 +59,8 @@ impl Cap {
         if boxes.len() > MAX_BOXES {
             boxes = vec![all];
         }
-        // In units of the size of the border, so that no square vanishes or overflows.
+        // Areas are in units of the squared size of the border, so that no square vanishes or
+        // overflows.
         let size = (0..3).fold(f64::MIN_POSITIVE, |most, k| most.max(all.max()[k] - all.min()[k]));
         let area: f64 = loops.iter().map(|path| area_of_cap(path, |p, q| scaled_difference(at(p), at(q), size))).sum();
         let reach = (area / std::f64::consts::TAU).sqrt() * size * (1.0 + 1e-9);

@@ -99,7 +99,7 @@ impl Group {
             center[axis] = 0.5 * (low + high);
             squared += (0.5 * (high - low)).powi(2);
         }
-        // Pays for the errors of the corners and of the root.
+        // The factor covers the rounding of the root, and the sum covers the errors of the corners.
         let radius = squared.sqrt() * (1.0 + 1e-12) + 4.0 * PACKING_ERROR;
         Self { center, radius, ..Self::EMPTY }
     }

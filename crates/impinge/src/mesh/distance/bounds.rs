@@ -204,7 +204,8 @@ impl Far {
         let size = length(gap);
         let direction = gap.map(|x| (x / size) as f32);
         let wide = direction.map(f64::from);
-        // Three products and two sums for each of two boxes, and the error of the gap.
+        // Three products and two sums are rounded for each of two boxes. The gap adds its own
+        // error.
         let slack = 32.0 * HALF_ULP * metric.extent + metric.error;
         Self { direction, length: length(&wide) * (1.0 + 1e-12), along: dot(&wide, gap), slack }
     }

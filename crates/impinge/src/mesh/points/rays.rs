@@ -254,8 +254,8 @@ impl MovedRay {
         let direction = ray.direction.map(|x| x * units[0] * units[1]);
         let from = sub(&ray.origin, &frame.origin).map(|x| x * frame.scale);
         let far = from.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        // To the point at which the ray passes the mesh's center, less a few units so that it
-        // starts before the mesh.
+        // The ray is moved to the point at which it passes the mesh's center, less a few units so
+        // that it starts before the mesh.
         let moved =
             if far > 4.0 { (-dot(&from, &direction) / dot(&direction, &direction) - 4.0).max(0.0) } else { 0.0 };
         let origin: Vector = std::array::from_fn(|k| from[k] + moved * direction[k]);

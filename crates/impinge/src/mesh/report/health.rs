@@ -98,7 +98,7 @@ fn is_degenerate([a, b, c]: &Corners) -> bool {
     /// the products' magnitudes. They lose at most (3 + 16 u) u (Shewchuk 1997, 4.2). This is twice
     /// as much.
     const ROUNDING: f64 = 4.0 * f64::EPSILON;
-    /// Far more than underflows lose.
+    /// Upper bound, with much room, of what products lose if they underflow.
     const UNDERFLOW: f64 = 1e-300;
     let apart = (0..3).any(|axis| {
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
