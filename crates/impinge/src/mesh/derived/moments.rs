@@ -99,7 +99,8 @@ impl Group {
             center[axis] = 0.5 * (low + high);
             squared += (0.5 * (high - low)).powi(2);
         }
-        // The factor covers the rounding of the root, and the sum covers the errors of the corners.
+        // The factor covers the rounding of the root, and the added term covers the errors of the
+        // corners.
         let radius = squared.sqrt() * (1.0 + 1e-12) + 4.0 * PACKING_ERROR;
         Self { center, radius, ..Self::EMPTY }
     }
