@@ -94,8 +94,7 @@ impl Proxies {
         self.volumes.bounds
     }
 
-    /// Returns the minimal sphere around the points, rounded outward, as [`fit::minimal_sphere`]
-    /// builds it.
+    /// Returns the minimal sphere around the points, as [`fit::minimal_sphere`] builds it.
     #[must_use]
     pub fn sphere(&self) -> BoundingSphere {
         self.volumes.sphere
