@@ -286,8 +286,9 @@ impl<'c> Posed<'c> {
         Ok(hits)
     }
 
-    /// Calls `visit` with each pair of parts of two characters that is not proved apart, in order,
-    /// without depths. This is the query for broad phases.
+    /// Calls `visit` with each pair of parts of two characters that is not proved apart: the index
+    /// of the part of this character, then of the other, in ascending order. Computes no depths, as
+    /// suits a broad phase.
     ///
     /// # Errors
     /// Returns an error if a part exceeds the range of shapes.
@@ -319,8 +320,8 @@ impl<'c> Posed<'c> {
         Ok(())
     }
 
-    /// Returns all pairs of parts of two characters that are not proved apart, in order, with their
-    /// depths.
+    /// Returns all pairs of parts of two characters that are not proved apart, in ascending order
+    /// of their indices, with their depths. This character is the first.
     ///
     /// # Errors
     /// Returns an error if a part exceeds the range of shapes.

@@ -39,7 +39,7 @@ impl Obb {
     ///
     /// # Errors
     /// Returns [`NonFinite`](InputErrorKind::NonFinite) or
-    /// [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 2^320) for a bad number,
+    /// [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 2^320) for an invalid number,
     /// [`Negative`](InputErrorKind::Negative) for a negative half-extent, and
     /// [`NotRigid`](InputErrorKind::NotRigid) if the axes deviate from orthonormal ones by more
     /// than 2^-40.

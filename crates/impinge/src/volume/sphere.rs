@@ -31,7 +31,7 @@ impl BoundingSphere {
     ///
     /// # Errors
     /// Returns [`NonFinite`](crate::input::InputErrorKind::NonFinite) or
-    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) for a bad number,
+    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) for an invalid number,
     /// and [`Negative`](crate::input::InputErrorKind::Negative) for a negative radius.
     pub fn new(center: [f64; 3], radius: f64) -> Result<Self, InputError> {
         in_range("sphere center", center)?;
