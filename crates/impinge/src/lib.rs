@@ -23,6 +23,8 @@
 //! - `serde`: a [`Pose`] is stored as the four rows of its matrix, and validated when it is read.
 //! - `scalar` compiles every kernel without vectors too, for tests.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 pub mod character;
 pub mod convex;
 pub mod exact;
