@@ -61,13 +61,13 @@ def poses(scene: Scene, count: int) -> dict[str, np.ndarray]:
     along = rng.normal(size=(count, 3))
     along /= np.linalg.norm(along, axis=1)[:, None]
     sizes = [np.linalg.norm(np.ptp(mesh.vertices, axis=0)) for mesh in scene.meshes]
-    centres = [(mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0)) / 2 for mesh in scene.meshes]
+    centers = [(mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0)) / 2 for mesh in scene.meshes]
     turned = impinge.pose(np.zeros((count, 3)), quat_wxyz=turns)[:, :3, :3]
 
     def at(way: np.ndarray) -> np.ndarray:
         pose = np.tile(np.eye(4), (count, 1, 1))
         pose[:, :3, :3] = turned
-        pose[:, :3, 3] = centres[0] + along * way[:, None] - turned @ centres[1]
+        pose[:, :3, 3] = centers[0] + along * way[:, None] - turned @ centers[1]
         return pose
 
     low, high = np.zeros(count), np.full(count, sum(sizes))

@@ -94,21 +94,21 @@ def bunny_and_human(folder: Path) -> list[Scene]:
     height = np.ptp(human[0], axis=0).max()
     # A quarter as large as the human, by a power of two, which rounds nothing.
     bunny = vertices * 2.0 ** np.round(np.log2(height / 4 / np.ptp(vertices, axis=0).max())), faces
-    centres = [(vertices.min(axis=0) + vertices.max(axis=0)) / 2 for vertices, _ in (human, bunny)]
+    centers = [(vertices.min(axis=0) + vertices.max(axis=0)) / 2 for vertices, _ in (human, bunny)]
     rng = np.random.default_rng(1)
 
     def standing(at: np.ndarray, quaternion: np.ndarray) -> Pose:
         unit = quaternion / np.linalg.norm(quaternion)
         turned = rotation((0, 0, 0, *unit))
-        return (*(float(x) for x in at - turned @ centres[1]), *(float(x) for x in unit))
+        return (*(float(x) for x in at - turned @ centers[1]), *(float(x) for x in unit))
 
     around = rng.normal(size=(POSES, 3))
     around *= height * rng.uniform(0.6, 1.5, (POSES, 1)) / np.linalg.norm(around, axis=1)[:, None]
-    chance = [standing(centres[0] + at, rng.normal(size=4)) for at in around]
+    chance = [standing(centers[0] + at, rng.normal(size=4)) for at in around]
     angles = np.linspace(0, 2 * np.pi, POSES)
     path = [
         standing(
-            centres[0] + height * np.array([0.7 * np.cos(angle), 0.7 * np.sin(angle), 0.3 * np.sin(2 * angle)]),
+            centers[0] + height * np.array([0.7 * np.cos(angle), 0.7 * np.sin(angle), 0.3 * np.sin(2 * angle)]),
             np.array([np.cos(angle), 0.3, 0.2, np.sin(angle)]),
         )
         for angle in angles

@@ -19,18 +19,18 @@ def torus_knot(nu: int, nv: int, tube_radius: float = TUBE_RADIUS) -> tuple[np.n
     """
     u = np.linspace(0.0, 2.0 * np.pi, nu, endpoint=False)
     v = np.linspace(0.0, 2.0 * np.pi, nv, endpoint=False)
-    centre = _centre(u)
+    center = _center(u)
 
     # A frame across the tube: the tangent by a central difference, the normal away from the axis of the torus.
     step = 1e-4
-    tangent = _unit(_centre(u + step) - _centre(u - step))
-    outward = _unit(centre * [1.0, 1.0, 0.0])
+    tangent = _unit(_center(u + step) - _center(u - step))
+    outward = _unit(center * [1.0, 1.0, 0.0])
     normal = _unit(outward - np.sum(outward * tangent, axis=1, keepdims=True) * tangent)
     binormal = np.cross(tangent, normal)
 
     radius = tube_radius * (1.0 + BUMP * np.sin(BUMPS_ALONG * u)[:, None] * np.sin(BUMPS_ROUND * v)[None, :])
     across = np.cos(v)[None, :, None] * normal[:, None] + np.sin(v)[None, :, None] * binormal[:, None]
-    vertices = centre[:, None] + radius[..., None] * across
+    vertices = center[:, None] + radius[..., None] * across
     return vertices.reshape(-1, 3), _faces(nu, nv)
 
 
@@ -48,7 +48,7 @@ def write_ply(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
     path.write_bytes(header.encode("ascii") + vertices.astype(code).tobytes() + rows.tobytes())
 
 
-def _centre(u: np.ndarray) -> np.ndarray:
+def _center(u: np.ndarray) -> np.ndarray:
     from_axis = TORUS_RADIUS + np.cos(Q * u)
     return np.stack([from_axis * np.cos(P * u), from_axis * np.sin(P * u), np.sin(Q * u)], axis=-1)
 

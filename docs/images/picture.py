@@ -4,7 +4,8 @@
     cargo build --release -p impinge-cli
     .venv/bin/python docs/images/picture.py target/release/impinge
 
-The curves are the command's own; the rest is a small z-buffer with smooth shading. Writes docs/images/picture.png.
+The command writes the curves. The rest is a small z-buffer with smooth shading. The script writes
+docs/images/picture.png.
 """
 
 import subprocess
@@ -30,14 +31,14 @@ LIGHTS = [((-0.5, 0.7, 0.8), 0.75), ((0.9, 0.15, 0.4), 0.28), ((0.0, -0.4, -1.0)
 AMBIENT = 0.22
 GLASS = 0.5  # share of the knot's colour in what is seen through it
 YAW, PITCH = -0.45, 0.34  # rad: the camera walks round the human, then climbs
-CENTRE = np.array([0.0, 0.27, 0.0])  # the point in the middle of the picture, metres
+CENTER = np.array([0.0, 0.27, 0.0])  # the point in the middle of the picture, meters
 PIXELS_PER_METRE = 555
-CURVE_RADIUS = 0.005  # metres
-NUDGE = 0.006  # metres by which a curve is drawn in front of the surfaces that it lies on
+CURVE_RADIUS = 0.005  # meters
+NUDGE = 0.006  # meters by which a curve is drawn in front of the surfaces that it lies on
 
 
 def read_human() -> tuple[np.ndarray, np.ndarray]:
-    """Returns (n, 3) vertices in metres, y up, and (m, 3) faces."""
+    """Returns (n, 3) vertices in meters, y up, and (m, 3) faces."""
     data = HUMAN.read_bytes()
     end = data.index(b"end_header\n") + len(b"end_header\n")
     counts = [int(line.split()[2]) for line in data[:end].decode().splitlines() if line.startswith("element")]
@@ -62,7 +63,7 @@ def view(points: np.ndarray) -> np.ndarray:
     (cy, sy), (cp, sp) = (np.cos(YAW), np.sin(YAW)), (np.cos(PITCH), np.sin(PITCH))
     turn = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
     climb = np.array([[1, 0, 0], [0, cp, -sp], [0, sp, cp]])
-    return (points - CENTRE) @ (climb @ turn).T
+    return (points - CENTER) @ (climb @ turn).T
 
 
 class Canvas:
@@ -109,7 +110,7 @@ class Canvas:
             self.colour[y0:y1, x0:x1][seen] = shade(normal, colour)
 
     def curve(self, points: np.ndarray) -> None:
-        """A round cord, drawn as small balls half a pixel apart."""
+        """Draws a round tube along a polyline, as small spheres half a pixel apart."""
         p = self.to_pixels(points)
         steps = np.maximum(np.ceil(2 * np.linalg.norm(np.diff(p[:, :2], axis=0), axis=1)), 1).astype(int)
         radius = CURVE_RADIUS * self.scale
@@ -142,7 +143,7 @@ class Canvas:
 
 
 def shade(normals: np.ndarray, colour: np.ndarray, flat: float = AMBIENT) -> np.ndarray:
-    """Lambert's law for each normal (k, 3), either side lit alike as it is turned to the viewer, and a small highlight."""
+    """Returns a color for each normal (k, 3): Lambert's law for both sides, and a highlight."""
     normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     normals = np.where(normals[:, 2:] < 0, -normals, normals)
     light = np.full(len(normals), flat)

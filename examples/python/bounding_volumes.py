@@ -1,6 +1,6 @@
-"""Bounding volumes of a mesh: how tight each kind is, and the convex hull that stands for the mesh.
+"""Bounding volumes of a mesh: how tight each kind is, and the convex hull instead of the mesh.
 
-Each volume holds the whole mesh, so what is apart from the volume is apart from the mesh.
+Each volume contains the whole mesh, so objects apart from the volume are apart from the mesh.
 """
 
 from pathlib import Path
@@ -19,7 +19,7 @@ print(f"oriented box: {proxies.obb.volume:.6f}")
 print(f"18-DOP: {proxies.kdop18.volume:.6f}")
 print(f"hull: {len(proxies.hull.vertices)} of {len(human.vertices)} vertices")
 
-# The hull in place of the mesh: a lower bound of the distance, at a fraction of the cost.
+# The hull instead of the mesh: a lower bound of the distance at a fraction of the cost.
 hull = impinge.Shape.hull(human.vertices[proxies.hull.vertices])
 ball = impinge.Shape.sphere(0.25)
 place = impinge.pose([0.75, -0.5, 0.125])

@@ -1,6 +1,7 @@
-"""A rigged character: which part a shot strikes, and which part a punch strikes between two frames.
+"""A rigged character: which part a shot hits, and which part a punch hits between two frames.
 
-The volumes hold the whole skin at every time of every animation, so a shot that misses them misses the character.
+The volumes contain the whole skin at every time of every animation, so a shot that misses them
+misses the character.
 """
 
 from pathlib import Path

@@ -1,6 +1,8 @@
-"""A mesh that deforms: its vertices move every frame, and its hierarchy is refitted instead of built anew.
+"""A mesh that deforms: its vertices move every frame, and its hierarchy is refitted instead of
+rebuilt.
 
-A sheet sinks onto a human and its rim hangs down. `aging` says how much slower the hierarchy has become.
+A sheet sinks onto a human and its rim hangs down. `aging` tells how much slower the hierarchy has
+become.
 """
 
 from pathlib import Path
@@ -23,7 +25,7 @@ faces = np.concatenate(
 
 
 def vertices(frame):
-    """Return where the sheet is in a frame."""
+    """Return the vertices of the sheet in a frame."""
     y = 1.25 - frame / 16 - (x * x + z * z) * (frame / 8)
     return np.stack([x, y, z], axis=-1).reshape(-1, 3)
 

@@ -1,6 +1,6 @@
 """A part that moves: when it first touches another part, found without stepping through the motion.
 
-Parts never pass through each other unseen, however fast they move and however thin they are.
+No contact is missed, however fast the parts move and however thin they are.
 """
 
 from pathlib import Path
@@ -12,7 +12,7 @@ DATA = Path(__file__).parents[2] / "data"
 
 human = impinge.load(DATA / "human_makehuman_cc0.ply")
 
-# A door swings by a quarter turn about its hinge, towards a human who stands in its way.
+# A door swings by a quarter turn about its hinge, toward a human who stands in its way.
 door = impinge.Shape.box([0.5, 1, 0.03125])
 hinge = [-0.75, 0, -0.5]
 shut = impinge.pose([-0.25, 0, -0.5])

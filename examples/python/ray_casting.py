@@ -1,6 +1,6 @@
 """Rays at a mesh: a picture of depths from many rays in one call, and all faces that one ray hits.
 
-No ray slips between two faces that share an edge.
+No ray passes between two faces that share an edge.
 """
 
 from pathlib import Path

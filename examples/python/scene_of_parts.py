@@ -1,6 +1,7 @@
 """A scene of named parts: which pairs of them intersect or come near, in many configurations.
 
-Neighboring links of the robot are ignored. Only pairs of parts whose boxes are near each other are looked at.
+Neighboring links of the robot are ignored. Only pairs of parts whose boxes are near each other are
+tested.
 """
 
 from pathlib import Path
@@ -19,7 +20,8 @@ parts = {
 }
 scene = impinge.Scene(parts, ignored=[("base", "arm"), ("arm", "hand")])
 
-# The base stands still. The arm sinks from one configuration to the next, and the hand at its end with it.
+# The base is fixed. The arm sinks from one configuration to the next, together with the hand at its
+# end.
 shoulders = np.array([[-1, 0.5 - row / 8, 0.25] for row in range(CONFIGURATIONS)])
 poses = {
     "base": impinge.pose([-1, -0.5, 0.25]),

@@ -1,4 +1,4 @@
-//! A baked mesh of which some bytes were changed: refused, or a mesh whose queries end.
+//! Baked meshes with changed bytes: they must be rejected, or give a mesh whose queries end.
 
 #![no_main]
 
@@ -26,7 +26,7 @@ static WHOLE: LazyLock<Vec<u8>> = LazyLock::new(|| {
     bytes
 });
 
-/// Rows of a place, three bytes, and what is written there.
+/// Number of bytes per change: three for the place and four to write there.
 const CHANGE: usize = 7;
 
 fuzz_target!(|changes: &[u8]| {
@@ -37,7 +37,7 @@ fuzz_target!(|changes: &[u8]| {
         bytes.as_mut()[place..place + 4].copy_from_slice(&change[3..]);
     }
     let Ok(baked) = Baked::from_bytes(Arc::new(bytes)) else { return };
-    // A mesh that is believed is memory-safe; its questions may panic or go on without end.
+    // A trusted mesh is memory-safe, but its queries may panic or never end.
     let _ = baked.trusted_mesh();
     let Ok(mesh) = baked.mesh() else { return };
     let _ = query::intersecting_pairs_up_to(&mesh, &mesh, 100, &Options::default());

@@ -1,5 +1,5 @@
-//! Solids of bricks on a lattice, many in one mesh: whether interiors intersect is what their cells
-//! say, in any order of the faces, and never `Undecided` while all walls are cut alike.
+//! Solids of bricks on a lattice, many in one mesh: `penetrates` must agree with their cells in any
+//! order of the faces, and never be `Undecided` if all walls are cut alike.
 
 #![no_main]
 
@@ -31,7 +31,7 @@ fn step(bytes: &mut Unstructured<'_>) -> arbitrary::Result<i64> {
     bytes.int_in_range(-4..=4_i8).map(i64::from)
 }
 
-/// Up to eight bricks between points of a small lattice.
+/// Returns up to eight bricks between points of a small lattice.
 fn set(bytes: &mut Unstructured<'_>) -> arbitrary::Result<Vec<Brick>> {
     let mut bricks = Vec::new();
     for _ in 0..bytes.int_in_range(1..=8_u8)? {
@@ -45,7 +45,7 @@ fn set(bytes: &mut Unstructured<'_>) -> arbitrary::Result<Vec<Brick>> {
     Ok(bricks)
 }
 
-fn judged(mesh: &Plain) -> Mesh {
+fn engine_mesh(mesh: &Plain) -> Mesh {
     Mesh::new(Positions::F64(mesh.vertices.clone()), mesh.faces.clone()).expect("legal")
 }
 
@@ -56,9 +56,9 @@ fuzz_target!(|question: Question| {
     for vertex in &mut b.vertices {
         *vertex = std::array::from_fn(|k| vertex[k] + 0.5 * scene.half_steps[k] as f64);
     }
-    let answer = query::penetrates(&judged(&a), &judged(&b));
+    let answer = query::penetrates(&engine_mesh(&a), &engine_mesh(&b));
     let expected = if scene.penetrates() { Penetrates::Yes } else { Penetrates::No };
     assert!(answer == expected || (answer == Penetrates::Undecided && cut != Cut::AsLattice));
     let (a, b) = (bricks::reordered(&mut rng, a), bricks::reordered(&mut rng, b));
-    assert_eq!(query::penetrates(&judged(&b), &judged(&a)), answer);
+    assert_eq!(query::penetrates(&engine_mesh(&b), &engine_mesh(&a)), answer);
 });

@@ -1,4 +1,4 @@
-//! Bytes as a file of every format: a mesh, a rig or an error.
+//! Bytes as a file of every format: the result must be a mesh, a rig or an error.
 
 #![no_main]
 
@@ -9,7 +9,7 @@ use libfuzzer_sys::fuzz_target;
 fuzz_target!(|bytes: &[u8]| {
     for format in Format::ALL {
         if let Ok(model) = parse(bytes, format) {
-            // Coordinates may be beyond what a mesh takes, which is an error too.
+            // Coordinates may exceed the range of a mesh, which is an error too.
             let _ = Mesh::new(model.positions, model.faces);
         }
     }

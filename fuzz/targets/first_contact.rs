@@ -1,4 +1,4 @@
-//! Moving corners and edges whose numbers tie: no contact is missed, and none is said to be later than it is.
+//! Moving corners and edges with many ties: no contact may be missed or reported too late.
 
 #![no_main]
 
@@ -34,13 +34,13 @@ fuzz_target!(|motion: [Corners; 2]| {
     for (kind, impact) in asked {
         let impact = impact.expect("finite corners");
         match first_contact(kind, &from, &to) {
-            // How the true time lies to what is said.
+            // The true time must lie in the reported interval.
             Some(root) => {
                 assert!(impact.hit() && root.compare(impact.t_lower) != Ordering::Less, "{impact:?} is late");
                 let is_by_then = |t: f64| t == f64::INFINITY || root.compare(t) != Ordering::Greater;
                 assert!(is_by_then(impact.t_upper), "{impact:?} is early");
             }
-            None => assert!(impact.t_upper == f64::INFINITY, "{impact:?} where nothing touches"),
+            None => assert!(impact.t_upper == f64::INFINITY, "{impact:?} but nothing touches"),
         }
     }
 });

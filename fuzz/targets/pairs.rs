@@ -1,4 +1,4 @@
-//! Small meshes full of ties under integer maps: the pairs that meet are those that the rational oracle finds.
+//! Small meshes full of ties under integer maps: the pairs must be those of the exact oracle.
 
 #![no_main]
 
@@ -20,7 +20,8 @@ impl<'a> Arbitrary<'a> for Scene {
     }
 }
 
-/// Up to eight vertices on a grid, or beside it by the least that a double holds there, and up to twelve faces.
+/// Returns a mesh of up to eight vertices on a grid, or one float beside it, and up to twelve
+/// faces.
 fn mesh(bytes: &mut Unstructured<'_>) -> arbitrary::Result<Plain> {
     let mut vertices = Vec::new();
     for _ in 0..bytes.int_in_range(1..=8)? {
@@ -59,8 +60,8 @@ fuzz_target!(|scene: Scene| {
     let Scene { meshes: [a, b], poses } = scene;
     let Ok(place_a) = Pose::new(poses[0].linear, poses[0].translation) else { return };
     let Ok(place_b) = Pose::new(poses[1].linear, poses[1].translation) else { return };
-    let judged = |mesh: &Plain| Mesh::new(Positions::F64(mesh.vertices.clone()), mesh.faces.clone()).expect("legal");
-    let (mesh_a, mesh_b) = (judged(&a), judged(&b));
+    let engine_mesh = |mesh: &Plain| Mesh::new(Positions::F64(mesh.vertices.clone()), mesh.faces.clone()).expect("legal");
+    let (mesh_a, mesh_b) = (engine_mesh(&a), engine_mesh(&b));
     let (at_a, at_b) = (mesh_a.at(place_a), mesh_b.at(place_b));
     let expected = brute_force(a.at(poses[0]), b.at(poses[1]));
     let found: Vec<(u32, u32)> = query::intersecting_pairs(at_a, at_b).iter().map(|&[a, b]| (a, b)).collect();

@@ -75,7 +75,7 @@ class AxisBox(Volume):
         The center is rounded. The half-extents are rounded up, so that they reach both corners from
         it.
         """
-        return CenterRadius._of(self._core.to_centre_radius())
+        return CenterRadius._of(self._core.to_center_radius())
 
     def overlaps(self, other: Self) -> bool:
         """Report whether two boxes of the same form overlap; touching counts.

@@ -20,7 +20,7 @@ class Shape(_impinge.ShapeBase):
     """A shape in its own frame, made by a constructor such as `sphere`, `capsule`, `box` or `hull`.
 
     Lengths are in the unit of the shape, finite, at least zero and below 2^128. A shape is
-    immutable and takes only a few numbers to store, so many bodies and threads may share one. It
+    immutable and takes only a few numbers to store. Bodies and threads may share one. It
     pickles its constructor's arguments; a copy is the shape itself.
 
     Boxes, triangles, hulls, half-spaces and meshes accept any affine pose. Round shapes require a

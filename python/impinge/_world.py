@@ -112,8 +112,8 @@ class World(WorldQueries):
             convex shapes, and ``"rotated"``, the box of the rotated local box, for meshes.
             ``"loose"`` is the box of a sphere about the body's origin. ``"hull"`` and
             ``"climbing"`` are tight: one tests all vertices of the convex hull, the other climbs on
-            it from the last extreme vertices. ``docs/realigning.md`` compares them. Compounds and
-            half-spaces use ``"own"``.
+            it from the last extreme vertices. Compounds and half-spaces use ``"own"``. The page
+            ``docs/notes/realigning.md`` compares all of them.
 
         Returns
         -------

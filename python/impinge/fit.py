@@ -7,7 +7,7 @@ volume of every kind, including single points, duplicates, and points on a line 
 
 Every function raises `InputError` if the points have another type or shape, if there are no points,
 or if a coordinate is not finite or out of range. The error names the coordinate.
-``docs/volumes.md`` compares the volumes on real meshes.
+``docs/tasks/volumes.md`` compares the volumes on real meshes.
 
 An axis-aligned box has three forms, `Aabb`, `MinWidths` and `CenterRadius`. A conversion between
 them never shrinks the box. The last two can be packed into 16 or 20 bytes.

@@ -21,7 +21,7 @@ kind                  space                               boxes move  suited to
 
 If you only need the overlapping pairs, `pairs` computes them without a stored structure; it is the
 fastest way if most boxes moved. A `World` chooses among these kinds automatically.
-``docs/partition.md`` compares their speed.
+``docs/tasks/partitions.md`` compares their speed.
 
 Corners are (n, 3) array_like of float32 or float64, below 2^320 in magnitude. Without `high`, boxes
 are points. Calls with many queries use all cores, with the interpreter's lock released. A query

@@ -219,7 +219,7 @@ def test_corrupt_baked_files_raise_an_error(tmp_path):
         impinge.Mesh(*cube()).bake(tmp_path / "cube.stl")
     with pytest.raises(FileNotFoundError):
         impinge.Mesh(*cube()).bake(tmp_path / "nowhere" / "cube.impinge")
-    stated, baked = tmp_path / "metres.gltf", tmp_path / "metres.impinge"
+    stated, baked = tmp_path / "meters.gltf", tmp_path / "meters.impinge"
     stated.write_text(GLTF)
     impinge.load(stated).bake(baked)
     assert impinge.load(baked).origin.unit == "m"
@@ -227,7 +227,7 @@ def test_corrupt_baked_files_raise_an_error(tmp_path):
 
 
 def test_units_are_converted_if_a_file_states_one(tmp_path):
-    stated, silent = tmp_path / "metres.gltf", tmp_path / "silent.obj"
+    stated, silent = tmp_path / "meters.gltf", tmp_path / "silent.obj"
     stated.write_text(GLTF)
     silent.write_text(OBJ)
     assert impinge.load(stated).origin.unit == "m"

@@ -125,7 +125,7 @@ def test_a_box_answers_like_its_mesh():
     assert np.allclose(far, impinge.distance(mesh, probe, None, poses).distance, atol=1e-12)
     surface = impinge.Mesh(*cube())
     assert np.array_equal(
-        impinge.intersects(surface, TORUS, None, poses), impinge.intersects(surface, TORUS, None, poses)
+        impinge.intersects(surface, TORUS, None, poses), impinge.intersects(Shape.mesh(surface), TORUS, None, poses)
     )
 
 

@@ -12,14 +12,15 @@ pub(crate) fn cargo() -> Command {
     Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
 
-/// Runs a command of Cargo that builds, `build` or `test --no-run` with their arguments, and returns
-/// the artifacts that are programs.
+/// Runs a build command of Cargo, `build` or `test --no-run` with their arguments, and returns the
+/// artifacts that are programs.
 ///
-/// One command builds what its programs have in common once. Two commands may not, because Cargo
-/// joins the features that all programs of a command want.
+/// One command builds the common dependencies of its programs once. Two commands might build them
+/// twice, because Cargo unites the features that all programs of a command need.
 ///
 /// # Errors
-/// Cargo cannot be started, or the build fails. Cargo has printed the reason.
+/// Returns an error if Cargo cannot be started or the build fails. Cargo has then printed the
+/// reason.
 pub(crate) fn programs(root: &Path, arguments: &[&str]) -> Result<Vec<Artifact>> {
     let mut build = cargo()
         .args(arguments)

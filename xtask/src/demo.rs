@@ -1,4 +1,4 @@
-//! The command at work: a human against a torus knot of 2,000,000 triangles.
+//! Demonstration of the command: a human against a torus knot of 2,000,000 triangles.
 
 use std::path::Path;
 use std::process::{Command, ExitStatus};
@@ -28,8 +28,8 @@ const PROGRAMS: [&str; 11] = [
     "torus_knot",
 ];
 
-/// Builds the command, generates the knot if it is not there yet, prints a command line and runs it.
-/// Returns whether it gave an answer.
+/// Builds the command, generates the knot if its file does not exist yet, prints a command line and
+/// runs it. Returns `true` if the command gave an answer.
 pub(crate) fn run(root: &Path) -> Result<bool> {
     println!("building, which takes a few minutes the first time");
     let programs = programs(root, &PROGRAMS)?;
@@ -40,11 +40,11 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
     }
     let check = ["check", HUMAN, KNOT, "--pose-b", POSE, "--curves", CURVES];
     println!("$ impinge {}", check.join(" "));
-    // 0 is clear, 1 a collision. Other codes are failures.
+    // Exit code 0 means clear and 1 means a collision. Other codes are failures.
     Ok(matches!(status(root, &programs, "impinge", &check)?.code(), Some(0 | 1)))
 }
 
-/// Runs one of the programs. The chores do not link them, so that the chores are there before them.
+/// Runs one of the programs. This crate does not link them, so that xtask builds without them.
 fn status(root: &Path, programs: &[Artifact], name: &str, arguments: &[&str]) -> Result<ExitStatus> {
     let program = programs.iter().find(|program| program.target.name == name);
     let path =

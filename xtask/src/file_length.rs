@@ -1,4 +1,4 @@
-//! The length of source files: a file is one concept, and 100 to 400 lines hold one.
+//! Length of source files. A file covers one concept, for which 100 to 400 lines suffice.
 
 use std::fs;
 use std::path::Path;
@@ -7,12 +7,12 @@ use anyhow::{Context, Result};
 
 use crate::sources;
 
-/// Lines past which a file is named, so that its reader looks for the seam.
+/// Maximum number of lines without a warning.
 const LONG: usize = 400;
-/// Lines past which a file fails the check.
+/// Maximum number of lines without an error.
 const TOO_LONG: usize = 800;
 
-/// The long `.rs` and `.py` files below `root`, each with a line for the reader.
+/// Returns the long `.rs` and `.py` files below `root`, each with a message.
 pub(crate) fn check(root: &Path) -> Result<Vec<(Verdict, String)>> {
     let mut found = Vec::new();
     for file in sources::files(root, &["rs", "py"])? {
@@ -32,14 +32,14 @@ pub(crate) fn check(root: &Path) -> Result<Vec<(Verdict, String)>> {
     Ok(found)
 }
 
-/// What is to be done about a file.
+/// Verdict about the length of a file.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Verdict {
-    /// Nothing.
+    /// The length is fine.
     Fine,
-    /// It may stay, but is named.
+    /// The file may stay, but gets a warning.
     Long,
-    /// It fails the check.
+    /// The file fails the check.
     TooLong,
 }
 

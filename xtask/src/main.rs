@@ -1,9 +1,11 @@
-//! The chores of the workspace: `cargo xtask layers`, `cargo xtask file-length`, `cargo xtask quick`, `cargo xtask test`,
-//! `cargo xtask demo`.
+//! Chores of the workspace: `cargo xtask layers`, `cargo xtask file-length`, `cargo xtask quick`,
+//! `cargo xtask test`, `cargo xtask prose`, `cargo xtask demo`.
 #![allow(clippy::print_stdout, reason = "a chore reports to the terminal")]
 
 mod build;
 mod demo;
+mod docs;
+mod environment;
 mod file_length;
 mod layers;
 mod prose;
@@ -20,7 +22,7 @@ use std::process::ExitCode;
 use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 
-/// The chores of the workspace.
+/// Chores of the workspace.
 #[derive(Parser)]
 #[command(name = "cargo xtask")]
 struct Arguments {
@@ -30,23 +32,28 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Chore {
-    /// Fail on an import against the order of crates or modules, on files of a module that need each other, and on `unsafe`
-    /// outside its homes.
+    /// Fail on an import against the order of crates or modules, on files of a module that import
+    /// each other, and on `unsafe` outside the permitted modules.
     Layers,
-    /// Warn of source files past 400 lines, fail on those past 800.
+    /// Warn of source files with more than 400 lines, and fail on more than 800.
     FileLength,
-    /// After an edit: format, check the layers, build, and run the unit tests of a room and the cases.
+    /// After an edit: format, check the layers, build, and run the unit tests of a module and the
+    /// cases.
     Quick {
-        /// A module of `impinge` by its path, such as `query` or `mesh/pairs/filter`; without it all unit tests run.
+        /// Path of a module of `impinge`, such as `query` or `mesh/pairs/filter`. By default all
+        /// unit tests run.
         room: Option<String>,
     },
-    /// Run every test, those of the Python package too, and print their counts last.
+    /// Run every test, also of the Python package, and print their counts last.
     Test,
-    /// Fail on phrases that readers stumble over, on long lines of prose, and on doc comments that begin with no verb.
+    /// Fail on banned phrases, on long lines of prose, and on doc comments that do not begin with a
+    /// verb.
     Prose {
-        /// Show every violation below this path alone.
+        /// Show only the violations below this path.
         path: Option<PathBuf>,
     },
+    /// Build the documentation site into target/site, and fail on any warning.
+    Docs,
     /// Check a human of 26,756 triangles against a torus knot of 2,000,000.
     Demo,
 }
@@ -66,13 +73,14 @@ fn main() -> Result<ExitCode> {
         Chore::Prose { path } => prose_is_plain(root, path.as_deref())?,
         Chore::Quick { room } => quick::run(root, room.as_deref())?,
         Chore::Test => test_run::run(root)?,
+        Chore::Docs => docs::build(root)?,
         Chore::Demo => demo::run(root)?,
     };
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Prints each violation of the order of crates and modules, and each `unsafe` outside of its homes.
-/// Returns `true` if there is none to print.
+/// Prints each violation of the order of crates and modules, and each `unsafe` outside the
+/// permitted modules. Returns `true` if there are no violations.
 fn layers_hold(root: &Path) -> Result<bool> {
     let mut violations = layers::check(root)?;
     violations.extend(unsafe_code::check(root)?);
@@ -83,8 +91,8 @@ fn layers_hold(root: &Path) -> Result<bool> {
     Ok(violations.is_empty())
 }
 
-/// Prints each violation of the rules of prose, below `path` if it is given, and the thermometer.
-/// Returns `true` if there is no violation.
+/// Prints each violation of the rules of prose, below `path` if it is given, and the word counts.
+/// Returns `true` if there are no violations.
 fn prose_is_plain(root: &Path, path: Option<&Path>) -> Result<bool> {
     let mut violations = prose::check(root)?;
     violations.retain(|violation| path.is_none_or(|path| violation.file.starts_with(path)));

@@ -1,21 +1,21 @@
-//! The tests of the Python package: installed from this tree, with pinned companions, in a virtual environment of its own.
+//! Tests of the Python package. It is installed from this tree, with pinned dependencies, in its
+//! own virtual environment.
 
-use std::ffi::OsString;
-use std::fs;
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::path::Path;
+use std::process::Stdio;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 
+use crate::environment::Environment;
 use crate::slowest::Slowest;
 
-/// The environment, kept between runs.
+/// Folder of the virtual environment, which is kept between runs.
 const ENVIRONMENT: &str = "target/python-tests";
-/// What the tests need beside the package, every version pinned.
+/// File of the dependencies of the tests, with pinned versions.
 const REQUIREMENTS: &str = "python/requirements-test.txt";
 
-/// Numbers of tests that passed, failed and were skipped, and the slowest of them.
+/// Numbers of tests that passed, failed and were skipped, and the slowest tests.
 #[derive(Debug, Default)]
 pub(crate) struct Outcome {
     pub(crate) passed: usize,
@@ -24,10 +24,10 @@ pub(crate) struct Outcome {
     pub(crate) slowest: Slowest,
 }
 
-/// Installs the package and runs pytest on its tests and on the examples in its documentation.
+/// Installs the package, and runs pytest on its tests and on the examples in its documentation.
 pub(crate) fn run(root: &Path) -> Result<Outcome> {
-    let environment = Environment::prepared(root)?;
-    environment.install(root)?;
+    let environment = Environment::prepared(root, ENVIRONMENT, REQUIREMENTS)?;
+    install(&environment, root)?;
     let mut child = environment
         .python(root)
         .args(["-m", "pytest", "-q", "--color=no", "--durations=10", "python/tests", "--pyargs", "impinge"])
@@ -49,8 +49,9 @@ pub(crate) fn run(root: &Path) -> Result<Outcome> {
 }
 
 impl Outcome {
-    /// Reads a line of pytest's report: a duration, `1.20s call     python/tests/test_a.py::test_b`,
-    /// or the last line, `1 failed, 334 passed, 2 skipped in 33.43s`. Ignores any other line.
+    /// Reads a line of pytest's report. It is a duration, `1.20s call
+    /// python/tests/test_a.py::test_b`, or the last line, `1 failed, 334 passed, 2 skipped in
+    /// 33.43s`. Ignores any other line.
     fn read(&mut self, line: &str) {
         if let Some((seconds, rest)) = line.trim_start().split_once("s call ") {
             if let Ok(seconds) = seconds.parse() {
@@ -81,70 +82,11 @@ fn counts(line: &str) -> Option<[usize; 3]> {
     Some([passed, failed, skipped])
 }
 
-/// A virtual environment.
-struct Environment {
-    programs: PathBuf,
-}
-
-impl Environment {
-    /// The environment with what the requirements name, made anew where they have changed.
-    fn prepared(root: &Path) -> Result<Self> {
-        let folder = root.join(ENVIRONMENT);
-        let environment = Self { programs: folder.join(if cfg!(windows) { "Scripts" } else { "bin" }) };
-        let requirements = fs::read_to_string(root.join(REQUIREMENTS)).context(REQUIREMENTS)?;
-        let stamp = folder.join("requirements-installed.txt");
-        if fs::read_to_string(&stamp).is_ok_and(|installed| installed == requirements) {
-            return Ok(environment);
-        }
-        let interpreter = std::env::var_os("PYTHON")
-            .unwrap_or_else(|| OsString::from(if cfg!(windows) { "python" } else { "python3" }));
-        let made = Command::new(&interpreter).args(["-m", "venv", "--clear"]).arg(&folder).status();
-        if !made.is_ok_and(|status| status.success()) {
-            bail!(
-                "`{} -m venv` failed: the Python package is tested in a virtual environment of CPython 3.11 or later \
-                 (on Debian: apt-get install python3-venv; PYTHON names another interpreter)",
-                interpreter.display()
-            );
-        }
-        pip(environment.python(root).args(["-m", "pip", "install", "--quiet", "--requirement", REQUIREMENTS]))?;
-        fs::write(stamp, requirements)?;
-        Ok(environment)
-    }
-
-    /// Builds the package as a user would and installs it.
-    fn install(&self, root: &Path) -> Result<()> {
-        let mut install = self.python(root);
-        install.args([
-            "-m",
-            "pip",
-            "install",
-            "--quiet",
-            "--no-deps",
-            "--no-build-isolation",
-            "--force-reinstall",
-            ".",
-        ]);
-        // The profile of the other tests, with overflow checks.
-        pip(install.env("MATURIN_PEP517_ARGS", "--profile dev"))
-    }
-
-    /// The interpreter, with the environment's own programs first on the path.
-    fn python(&self, root: &Path) -> Command {
-        let mut path = self.programs.clone().into_os_string();
-        if let Some(others) = std::env::var_os("PATH") {
-            path.push(if cfg!(windows) { ";" } else { ":" });
-            path.push(others);
-        }
-        let mut python = Command::new(self.programs.join("python"));
-        python.current_dir(root).env("PATH", path).env_remove("PYTHONPATH").env("PIP_DISABLE_PIP_VERSION_CHECK", "1");
-        python
-    }
-}
-
-fn pip(command: &mut Command) -> Result<()> {
-    let status = command.status().context("starting pip")?;
-    ensure!(status.success(), "pip failed: {}", format!("{command:?}").replace('"', ""));
-    Ok(())
+/// Builds the package as a user would and installs it. The profile is that of the other tests, with
+/// overflow checks.
+fn install(environment: &Environment, root: &Path) -> Result<()> {
+    let arguments = ["install", "--quiet", "--no-deps", "--no-build-isolation", "--force-reinstall", "."];
+    environment.pip(root, &arguments, &[("MATURIN_PEP517_ARGS", "--profile dev")])
 }
 
 #[cfg(test)]

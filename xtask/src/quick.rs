@@ -9,17 +9,18 @@ use crate::layers_hold;
 use crate::test_run::{Tests, programs};
 
 /// Arguments of Cargo that select the unit tests of `impinge` and its integration tests, which
-/// contain the cases. Kernels are compiled for two levels, which every processor has one of.
+/// contain the cases. Without default features, kernels are compiled for two vector levels. Every
+/// processor has one of them.
 const PROGRAMS: [&str; 6] = ["--package=impinge", "--no-default-features", "--lib", "--test", "it", "--quiet"];
 
 /// Formats the code, checks the layers, builds `impinge`, and runs the unit tests of a room and the
-/// cases. Returns whether all is well.
+/// cases. Returns `true` if everything passes.
 ///
-/// A room is a module by its path, `query` or `mesh/pairs/filter`. Without one the unit tests of all rooms
-/// run.
+/// A room is a module, named by its path: `query` or `mesh/pairs/filter`. Without a room, all unit
+/// tests run.
 ///
 /// # Errors
-/// There is no such room, the code cannot be parsed, or it does not compile.
+/// Returns an error if the room does not exist, or if the code cannot be parsed or compiled.
 pub(crate) fn run(root: &Path, room: Option<&str>) -> Result<bool> {
     if let Some(room) = room {
         let module = root.join("crates/impinge/src").join(room);

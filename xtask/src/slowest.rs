@@ -1,8 +1,8 @@
-//! The slowest tests of a run.
+//! Slowest tests of a run.
 
 use std::fmt;
 
-/// Number of tests that are listed.
+/// Number of listed tests.
 const LISTED: usize = 10;
 
 /// Tests and the seconds that each took.
@@ -10,8 +10,8 @@ const LISTED: usize = 10;
 pub(crate) struct Slowest(Vec<(f64, String)>);
 
 impl Slowest {
-    /// Adds the test of a line that a test program prints, `test laws::swap ... ok <1.204s>`. Ignores
-    /// any other line.
+    /// Adds the test of a line that a test program prints, `test laws::swap ... ok <1.204s>`.
+    /// Ignores any other line.
     pub(crate) fn read(&mut self, line: &str) {
         let Some((test, seconds)) = line.strip_suffix("s>").and_then(|line| line.rsplit_once(" <")) else { return };
         let Some((name, _)) = test.strip_prefix("test ").and_then(|test| test.split_once(" ... ")) else { return };

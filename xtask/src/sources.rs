@@ -1,4 +1,4 @@
-//! The source files of the workspace, and a finding in one of them.
+//! Source files of the workspace, and a finding in one of them.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use walkdir::WalkDir;
 
-/// A broken rule and where it is broken.
+/// Broken rule and its place.
 #[derive(Debug)]
 pub(crate) struct Violation {
-    /// The file, relative to the root of the workspace where it lies below it.
+    /// File, relative to the root of the workspace if it lies below it.
     pub(crate) file: PathBuf,
-    /// The line, counted from one.
+    /// Line, counted from one.
     pub(crate) line: usize,
-    /// What is written there and which rule forbids it.
+    /// Message: the text in question and the rule that forbids it.
     pub(crate) what: String,
 }
 
@@ -23,7 +23,8 @@ impl fmt::Display for Violation {
     }
 }
 
-/// The files below `root` with one of the `extensions`, sorted; build output and hidden folders are passed over.
+/// Returns the files below `root` with one of the `extensions`, sorted. Build output and hidden
+/// folders are skipped.
 pub(crate) fn files(root: &Path, extensions: &[&str]) -> Result<Vec<PathBuf>> {
     let walk = WalkDir::new(root).sort_by_file_name().into_iter().filter_entry(|entry| {
         let name = entry.file_name().to_string_lossy();

@@ -1,4 +1,5 @@
-//! `cargo xtask test`: builds every test of the workspace, runs it, and prints the slowest tests and the counts last.
+//! `cargo xtask test`: builds and runs every test of the workspace, and prints the slowest tests
+//! and the counts last.
 
 use std::fmt;
 use std::io::{BufRead, BufReader};
@@ -11,8 +12,8 @@ use crate::build::{self, cargo};
 use crate::python_tests;
 use crate::slowest::Slowest;
 
-/// First words of a test's output if the data that the test needs is missing. The test harness
-/// itself counts such a test as passed.
+/// Prefix of a test's output if the data for the test is missing. The test harness itself counts
+/// such a test as passed.
 const SKIPPED: &str = "skipped: ";
 
 /// Arguments of Cargo that select every test program. The benchmark programs have no tests, and
@@ -21,7 +22,7 @@ const PROGRAMS: [&str; 10] =
     ["--workspace", "--exclude", "impinge-python", "--lib", "--bin", "impinge", "--bin", "xtask", "--test", "*"];
 
 /// Runs all tests of Rust and of the Python package. Prints their output, the slowest tests and the
-/// summed counts. Returns whether all passed.
+/// summed counts. Returns `true` if all passed.
 pub(crate) fn run(root: &Path) -> Result<bool> {
     let mut tests = Tests::default();
     for program in programs(root, &PROGRAMS)? {
@@ -42,7 +43,7 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
     Ok(tests.all_passed())
 }
 
-/// A program that runs tests, and the folder to start it in.
+/// Program that runs tests, and the folder to start it in.
 pub(crate) struct Program {
     name: String,
     path: PathBuf,
@@ -68,7 +69,8 @@ impl Program {
 /// Builds test programs and returns them in the order of their names.
 ///
 /// # Errors
-/// Cargo cannot be started, or the build fails. Cargo has printed the reason.
+/// Returns an error if Cargo cannot be started or the build fails. Cargo has then printed the
+/// reason.
 pub(crate) fn programs(root: &Path, selection: &[&str]) -> Result<Vec<Program>> {
     let built = build::programs(root, &[&["test", "--no-run"], selection].concat())?;
     let mut programs = Vec::new();
@@ -83,10 +85,10 @@ pub(crate) fn programs(root: &Path, selection: &[&str]) -> Result<Vec<Program>> 
     Ok(programs)
 }
 
-/// What the tests that have run so far came to.
+/// Results of the tests that have run so far.
 pub(crate) struct Tests {
     pub(crate) counts: Counts,
-    /// Whether every program ended well. A program that crashes prints no counts.
+    /// Whether every program ended without an error. A program that crashes prints no counts.
     succeeded: bool,
     pub(crate) slowest: Slowest,
 }
@@ -98,12 +100,13 @@ impl Default for Tests {
 }
 
 impl Tests {
-    /// Reports whether every program ended well, some test ran, and none failed.
+    /// Reports whether every program ended without an error, at least one test passed, and none
+    /// failed.
     pub(crate) fn all_passed(&self) -> bool {
         self.succeeded && self.counts.failed == 0 && self.counts.passed > 0
     }
 
-    /// Runs a test program and reads what it prints.
+    /// Runs a test program and reads its output.
     pub(crate) fn run(&mut self, program: &mut Command) -> Result<()> {
         // The time of each test is an unstable option of the harness. This variable allows it on a
         // stable compiler.
@@ -111,7 +114,7 @@ impl Tests {
         self.read(program.args(["--show-output", "--color", "never"]))
     }
 
-    /// Runs the examples in the documentation, which Cargo has to start, and reads what they print.
+    /// Runs the examples in the documentation, which Cargo must start, and reads their output.
     fn run_examples(&mut self, cargo: &mut Command) -> Result<()> {
         self.read(cargo.args(["--", "--show-output", "--color", "never"]))
     }
@@ -139,7 +142,7 @@ pub(crate) struct Counts {
     skipped: usize,
     /// Number of tests of the running program that printed that they were skipped.
     said_skipped: usize,
-    /// Whether the test whose output is being read has printed it already.
+    /// Whether the current test has printed that it was skipped.
     said: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Where `unsafe` may be written: in its audited homes and nowhere else, macros included.
+//! Check that `unsafe` is written only in its audited homes, also inside macros.
 
 use std::fs;
 use std::path::Path;
@@ -10,10 +10,12 @@ use toml::Value;
 
 use crate::sources::{self, Violation};
 
-/// The modules that may write `unsafe`, each a file or a folder: vector instructions, and the memory map of baked files.
+/// Modules that may write `unsafe`, each a file or a folder: vector instructions, and the memory
+/// map of baked files.
 const HOMES: [&str; 2] = ["crates/impinge/src/simd", "crates/impinge-files/src/memory_map"];
 
-/// Finds `unsafe`, and lints that would let it in, outside [`HOMES`] in every source file and manifest below `root`.
+/// Finds `unsafe`, and lints that would permit it, outside [`HOMES`] in every source file and
+/// manifest below `root`.
 pub(crate) fn check(root: &Path) -> Result<Vec<Violation>> {
     let mut violations = Vec::new();
     for file in sources::files(root, &["rs", "toml"])? {
@@ -40,7 +42,7 @@ fn is_home(file: &Path) -> bool {
 }
 
 fn find_unsafe(tokens: TokenStream, report: &mut impl FnMut(usize, String)) {
-    let mut loosening = false; // the last token was the name of a lint level that lets things pass
+    let mut loosening = false; // whether the last token names a lint level that permits
     for token in tokens {
         match &token {
             TokenTree::Ident(ident) if ident == "unsafe" => {
@@ -60,7 +62,8 @@ fn find_unsafe(tokens: TokenStream, report: &mut impl FnMut(usize, String)) {
     }
 }
 
-/// What is wrong with the lints of a manifest; they deny `unsafe_code`, as `forbid` could not be lifted in the homes.
+/// Returns the fault in the lints of a manifest, or `None`. They must deny `unsafe_code`; `forbid`
+/// could not be lifted in the homes.
 fn judge_manifest(manifest: &toml::Table) -> Option<String> {
     let lints = |table: &toml::Table| {
         let level = table.get("lints")?.get("rust")?.get("unsafe_code")?;

@@ -1,4 +1,5 @@
-//! The two questions that are timed, asked of any engine, and the comparison of all answers to them.
+//! The two timed queries, all pairs and the first hit, for any engine, with comparison of all
+//! answers.
 
 use std::hint::black_box;
 
@@ -8,27 +9,29 @@ use impinge::query::Query;
 
 use crate::samples::{Samples, timed};
 
-/// Seconds that one sample of the first hit should take: far above the clock's resolution and below a time slice.
+/// Target time of one sample of the first hit, in seconds: far above the clock's resolution and
+/// below a time slice.
 const BATCH_SECONDS: f64 = 2e-3;
 
-/// Calls in one sample of the first hit at most, as in `bench/rivals.py`.
+/// Maximum number of calls in one sample of the first hit, as in `bench/rivals.py`.
 const MOST_CALLS: f64 = 100.0;
 
-/// How long an engine took for its answers, which all agreed.
+/// Times of an engine, whose answers all agreed.
 #[derive(Clone, Debug)]
 pub struct Asked {
-    /// The pairs of faces that intersect, sorted.
+    /// Pairs of faces that intersect, sorted.
     pub pairs: Vec<[u32; 2]>,
-    /// All pairs, once each sample.
+    /// Times of all pairs, one query per sample.
     pub all_pairs: Samples,
-    /// Whether there is a pair; the mean of a batch of calls each sample.
+    /// Times of the first hit, the mean of a batch of calls per sample.
     pub first_hit: Samples,
 }
 
-/// Asks both questions `repeats` times, the first for sorted pairs, after once untimed, so that the data is warm.
+/// Times both queries `repeats` times, after one untimed run that warms the data. All pairs must be
+/// sorted.
 ///
 /// # Errors
-/// Where two answers disagree: all pairs with those of the first run, or the first hit with there being pairs.
+/// Returns an error if two answers disagree: all pairs of two runs, or the first hit and all pairs.
 pub fn ask(
     repeats: usize,
     mut all_pairs: impl FnMut() -> Vec<[u32; 2]>,
@@ -58,10 +61,10 @@ pub fn ask(
     Ok(Asked { pairs: reference, all_pairs, first_hit })
 }
 
-/// [`ask`]s impinge.
+/// Times impinge by [`ask`].
 ///
 /// # Errors
-/// As [`ask`].
+/// Returns an error if [`ask`] does.
 pub fn ask_impinge(repeats: usize, a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Result<Asked> {
     ask(
         repeats,

@@ -1,4 +1,4 @@
-//! The vertices of the real meshes, in single precision as their files have them.
+//! Vertices of the real meshes, in single precision as in their files.
 
 use std::fs::{self, File};
 use std::io;
@@ -10,26 +10,27 @@ use impinge::Positions;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-/// The human that travels with the project.
+/// Reads the vertices of the human mesh of the repository.
 ///
 /// # Errors
-/// As [`impinge_files::load`].
+/// Returns an error if [`impinge_files::load`] does.
 pub fn human() -> Result<Vec<[f32; 3]>> {
     points(&Path::new(ROOT).join("data/human_makehuman_cc0.ply"))
 }
 
-/// The ventilator, a CAD part of three million triangles, from the data folder.
+/// Reads the vertices of the ventilator, a CAD part of three million triangles, from the data
+/// folder.
 ///
 /// # Errors
-/// Where it cannot be unpacked or loaded.
+/// Returns an error if the file cannot be unpacked or loaded.
 pub fn ventilator(folder: &Path) -> Result<Vec<[f32; 3]>> {
     points(&unpacked(&folder.join("big/cad_ventilator.ply.gz"), "cad_ventilator.ply")?)
 }
 
-/// The vertices of a file.
+/// Reads the vertices of a file.
 ///
 /// # Errors
-/// As [`impinge_files::load`], and where they are in double precision.
+/// Returns an error if [`impinge_files::load`] does, or if the vertices are in double precision.
 pub fn points(path: &Path) -> Result<Vec<[f32; 3]>> {
     match impinge_files::load(path)?.positions {
         Positions::F32(points) => Ok(points),
@@ -37,10 +38,11 @@ pub fn points(path: &Path) -> Result<Vec<[f32; 3]>> {
     }
 }
 
-/// The file's content, unpacked where that was not done before; it is renamed at the end, so that what is there is whole.
+/// Unpacks a file, unless that was done before, and returns its path. It is renamed at the end, so
+/// that an existing file is complete.
 ///
 /// # Errors
-/// Where a file cannot be read or written.
+/// Returns an error if a file cannot be read or written.
 pub fn unpacked(packed: &Path, name: &str) -> Result<PathBuf> {
     let folder = Path::new(ROOT).join("target/bench");
     let path = folder.join(name);

@@ -1,4 +1,4 @@
-//! The meshes of the benchmarks and where the second one stands.
+//! Meshes of the benchmarks, and poses of the second mesh.
 
 use std::path::{Path, PathBuf};
 
@@ -9,40 +9,42 @@ use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
 
 use crate::samples::{Samples, timed};
 
-/// Quads along the knot and round its tube, in the headline benchmark: two million triangles.
+/// Number of quads along the knot and around its tube in the headline benchmark: two million
+/// triangles.
 const HEADLINE_SIZE: [u32; 2] = [2000, 500];
 
-/// A mesh before it is built.
+/// Mesh before it is built.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    /// The vertices, in the mesh's own frame.
+    /// Vertices, in the mesh's own frame.
     pub positions: Positions,
-    /// Three vertices per triangle.
+    /// Vertex indices of each triangle.
     pub faces: Vec<[u32; 3]>,
 }
 
 impl Surface {
-    /// The triangles of a file.
+    /// Loads the triangles of a file.
     ///
     /// # Errors
-    /// As [`impinge_files::load`].
+    /// Returns an error if [`impinge_files::load`] does.
     pub fn load(path: &Path) -> Result<Self> {
         let model = impinge_files::load(path)?;
         Ok(Self { positions: model.positions, faces: model.faces })
     }
 
-    /// Builds the mesh `repeats` times from copies made beforehand; returns it with the times of the builds alone.
+    /// Builds the mesh `repeats` times from copies made beforehand, and returns it with the times
+    /// of the builds alone.
     ///
     /// # Errors
-    /// As [`Mesh::new`].
+    /// Returns an error if [`Mesh::new`] does.
     pub fn build(&self, repeats: usize) -> Result<(Mesh, Samples)> {
         self.build_with(Builder::default(), repeats)
     }
 
-    /// As [`build`](Self::build), by a stated builder.
+    /// Does the same as [`build`](Self::build), with the given builder.
     ///
     /// # Errors
-    /// As [`Mesh::new`].
+    /// Returns an error if [`Mesh::new`] does.
     pub fn build_with(&self, builder: Builder, repeats: usize) -> Result<(Mesh, Samples)> {
         let mut mesh = None;
         let samples = Samples::take(repeats, || {
@@ -55,7 +57,8 @@ impl Surface {
         Ok((mesh.context("no build was asked for")?, samples))
     }
 
-    /// The corners of the smallest box that holds all vertices; infinite where there are none.
+    /// Returns the corners of the smallest box that contains all vertices. They are infinite if the
+    /// mesh has none.
     #[must_use]
     pub fn bounds(&self) -> [[f64; 3]; 2] {
         let all = (0..self.positions.len()).map(|vertex| self.positions.get(vertex));
@@ -68,25 +71,25 @@ impl Surface {
     }
 }
 
-/// Which mesh to take, as arguments of a program.
+/// Choice of a mesh, as arguments of a program.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Choice {
-    /// File of the mesh, in place of the knot
+    /// File of the mesh, instead of the knot
     #[arg(long, value_name = "FILE", conflicts_with_all = ["along", "around"])]
     mesh: Option<PathBuf>,
-    /// Quads along the knot
+    /// Number of quads along the knot
     #[arg(long, value_name = "N", default_value_t = HEADLINE_SIZE[0], value_parser = clap::value_parser!(u32).range(3..=100_000))]
     along: u32,
-    /// Quads round the tube of the knot
+    /// Number of quads around the tube of the knot
     #[arg(long, value_name = "N", default_value_t = HEADLINE_SIZE[1], value_parser = clap::value_parser!(u32).range(3..=10_000))]
     around: u32,
 }
 
 impl Choice {
-    /// The chosen mesh: the file, or else the knot.
+    /// Loads the chosen file, or makes the knot if no file was chosen.
     ///
     /// # Errors
-    /// As [`Surface::load`].
+    /// Returns an error if [`Surface::load`] does.
     pub fn surface(&self) -> Result<Surface> {
         match &self.mesh {
             Some(path) => Surface::load(path),
@@ -97,36 +100,37 @@ impl Choice {
         }
     }
 
-    /// Whether the numbers of pairs at the [`Standing::named`] poses are known.
+    /// Reports whether the numbers of pairs at the [`Standing::named`] poses are known.
     #[must_use]
     pub fn is_headline(&self) -> bool {
         self.mesh.is_none() && [self.along, self.around] == HEADLINE_SIZE
     }
 }
 
-/// Where the second mesh stands.
+/// Pose of the second mesh, and its known answer.
 #[derive(Clone, Debug)]
 pub struct Standing {
-    /// What tables call it.
+    /// Name in tables.
     pub name: &'static str,
-    /// Maps the second mesh's own frame to that of the first.
+    /// Map from the second mesh's frame to the first mesh's frame.
     pub world_from_b: Pose,
-    /// How many pairs there must be, where that is known.
+    /// Expected number of pairs, if it is known.
     pub expected: Option<usize>,
 }
 
 impl Standing {
-    /// A pose of the user's.
+    /// Returns a pose given by the user.
     #[must_use]
     pub fn given(world_from_b: Pose, expected: Option<usize>) -> Self {
         Self { name: "given", world_from_b, expected }
     }
 
-    /// The poses of the headline benchmark, with what two knots of its size have there. The numbers are those of the
-    /// grid oracle, in the test `the_headline_knots_have_the_pairs_of_the_grid`.
+    /// Returns the poses of the headline benchmark, with the numbers of pairs of two knots of its
+    /// size. The numbers are those of the grid oracle, in the test
+    /// `the_headline_knots_have_the_pairs_of_the_grid`.
     ///
     /// # Errors
-    /// None, as the poses are constants that [`Pose`] takes.
+    /// Never returns an error, because the poses are valid constants.
     pub fn named() -> Result<[Self; 3]> {
         let at = |name, offset, pairs| {
             let world_from_b = Pose::from_axis_angle([1.0, 2.0, 3.0], 0.7, offset)?;
@@ -139,10 +143,10 @@ impl Standing {
         ])
     }
 
-    /// Compares a number of pairs with that which is known.
+    /// Compares a number of pairs with the expected one.
     ///
     /// # Errors
-    /// Where they differ.
+    /// Returns an error if they differ.
     pub fn check(&self, pairs: usize) -> Result<()> {
         let name = self.name;
         self.expected.map_or(Ok(()), |expected| {
@@ -152,10 +156,10 @@ impl Standing {
     }
 }
 
-/// Reads a pose as an argument: `tx,ty,tz,qw,qx,qy,qz`.
+/// Parses a pose given as an argument: `tx,ty,tz,qw,qx,qy,qz`.
 ///
 /// # Errors
-/// Where it is not seven numbers, or not a pose.
+/// Returns an error if the text is not seven numbers, or not a valid pose.
 pub fn parse_pose(text: &str) -> Result<Pose> {
     let numbers: Vec<f64> = text.split(',').map(|word| word.trim().parse()).collect::<Result<_, _>>()?;
     let &[x, y, z, qw, qx, qy, qz] = &numbers[..] else {

@@ -9,7 +9,8 @@ use impinge::{InputError, InputErrorKind};
 use impinge_files::LoadError;
 use serde::Serialize;
 
-/// What is wrong, where, and what to do. Fields that are not known are absent from the JSON.
+/// A failure: the fault, its place, and what to do about it. Fields that are not known are absent
+/// from the JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Failure {
     /// Short stable name of the kind of failure, for programs.

@@ -16,7 +16,7 @@ pub(crate) fn scales(units: [Option<Unit>; 2]) -> [f64; 2] {
     let [Some(a), Some(b)] = units else { return [1.0; 2] };
     let finer = a.min(b);
     // The quotient of whole numbers of micrometers is rounded only once.
-    [a, b].map(|unit| (unit.metres() * 1e6).round() / (finer.metres() * 1e6).round())
+    [a, b].map(|unit| (unit.meters() * 1e6).round() / (finer.meters() * 1e6).round())
 }
 
 /// Returns the unit of the common frame: the finer of the two units. Returns `None` if neither is
@@ -82,11 +82,11 @@ mod tests {
     #[test]
     fn both_are_scaled_to_the_finer_unit() {
         let of = |a, b| scales([Some(a), Some(b)]);
-        assert_eq!(of(Unit::Metre, Unit::Millimetre), [1000.0, 1.0]);
-        assert_eq!(of(Unit::Millimetre, Unit::Inch), [1.0, 25.4]);
+        assert_eq!(of(Unit::Meter, Unit::Millimeter), [1000.0, 1.0]);
+        assert_eq!(of(Unit::Millimeter, Unit::Inch), [1.0, 25.4]);
         assert_eq!(of(Unit::Foot, Unit::Inch), [12.0, 1.0]);
         assert_eq!(of(Unit::Foot, Unit::Micron), [304_800.0, 1.0]);
-        assert_eq!(of(Unit::Centimetre, Unit::Centimetre), [1.0, 1.0]);
+        assert_eq!(of(Unit::Centimeter, Unit::Centimeter), [1.0, 1.0]);
         assert_eq!(scales([Some(Unit::Inch), None]), [1.0, 1.0]);
     }
 

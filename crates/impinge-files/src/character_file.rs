@@ -62,9 +62,9 @@ pub fn character_text(rig: &Rig, character: &Character) -> String {
     };
     let part = |part: &HitPart| {
         let (radius, half_extents, points, vectors) = match part.volume() {
-            HitVolume::Sphere(sphere) => (Some(sphere.radius()), None, vec![sphere.centre()], None),
+            HitVolume::Sphere(sphere) => (Some(sphere.radius()), None, vec![sphere.center()], None),
             HitVolume::Capsule(capsule) => (Some(capsule.radius()), None, capsule.ends().to_vec(), None),
-            HitVolume::Box(obb) => (None, Some(obb.half_extents()), vec![obb.centre()], Some(obb.axes().to_vec())),
+            HitVolume::Box(obb) => (None, Some(obb.half_extents()), vec![obb.center()], Some(obb.axes().to_vec())),
             HitVolume::Lozenge(plate) => {
                 (Some(plate.radius()), None, vec![plate.corner()], Some(plate.edges().to_vec()))
             }
@@ -199,13 +199,13 @@ fn volume(part: &Part, kind: VolumeKind) -> Option<HitVolume> {
     let points = part.points.as_deref()?;
     let vectors = part.vectors.as_deref().unwrap_or_default();
     Some(match (kind, points, vectors) {
-        (VolumeKind::Sphere, &[centre], []) => HitVolume::Sphere(BoundingSphere::new(centre, part.radius?).ok()?),
+        (VolumeKind::Sphere, &[center], []) => HitVolume::Sphere(BoundingSphere::new(center, part.radius?).ok()?),
         (VolumeKind::Capsule, &[from, to], []) => HitVolume::Capsule(Capsule::new(from, to, part.radius?).ok()?),
         (VolumeKind::Lozenge, &[corner], &[u, v]) => {
             HitVolume::Lozenge(Lozenge::new(corner, [u, v], part.radius?).ok()?)
         }
-        (VolumeKind::Box, &[centre], &[x, y, z]) => {
-            HitVolume::Box(Obb::new(centre, [x, y, z], part.half_extents?).ok()?)
+        (VolumeKind::Box, &[center], &[x, y, z]) => {
+            HitVolume::Box(Obb::new(center, [x, y, z], part.half_extents?).ok()?)
         }
         (VolumeKind::Hull, corners, []) => HitVolume::Hull(HitHull::new(corners).ok()?),
         _ => return None,

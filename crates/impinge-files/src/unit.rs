@@ -8,31 +8,31 @@ pub enum Unit {
     /// 10⁻⁶ m, `um`.
     Micron,
     /// 10⁻³ m, `mm`.
-    Millimetre,
+    Millimeter,
     /// 10⁻² m, `cm`.
-    Centimetre,
+    Centimeter,
     /// 0.0254 m exactly, `in`.
     Inch,
     /// 0.3048 m exactly, `ft`.
     Foot,
     /// 1 m, `m`.
-    Metre,
+    Meter,
 }
 
 impl Unit {
     /// Every unit, from the shortest to the longest.
-    pub const ALL: [Self; 6] = [Self::Micron, Self::Millimetre, Self::Centimetre, Self::Inch, Self::Foot, Self::Metre];
+    pub const ALL: [Self; 6] = [Self::Micron, Self::Millimeter, Self::Centimeter, Self::Inch, Self::Foot, Self::Meter];
 
     /// Returns the length of the unit in meters, to the nearest f64.
     #[must_use]
-    pub fn metres(self) -> f64 {
+    pub fn meters(self) -> f64 {
         match self {
             Self::Micron => 1e-6,
-            Self::Millimetre => 1e-3,
-            Self::Centimetre => 1e-2,
+            Self::Millimeter => 1e-3,
+            Self::Centimeter => 1e-2,
             Self::Inch => 0.0254,
             Self::Foot => 0.3048,
-            Self::Metre => 1.0,
+            Self::Meter => 1.0,
         }
     }
 
@@ -41,11 +41,11 @@ impl Unit {
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Micron => "um",
-            Self::Millimetre => "mm",
-            Self::Centimetre => "cm",
+            Self::Millimeter => "mm",
+            Self::Centimeter => "cm",
             Self::Inch => "in",
             Self::Foot => "ft",
-            Self::Metre => "m",
+            Self::Meter => "m",
         }
     }
 
@@ -54,11 +54,11 @@ impl Unit {
     pub(crate) fn from_3mf(name: &str) -> Option<Self> {
         Some(match name {
             "micron" => Self::Micron,
-            "millimeter" => Self::Millimetre,
-            "centimeter" => Self::Centimetre,
+            "millimeter" => Self::Millimeter,
+            "centimeter" => Self::Centimeter,
             "inch" => Self::Inch,
             "foot" => Self::Foot,
-            "meter" => Self::Metre,
+            "meter" => Self::Meter,
             _ => return None,
         })
     }
@@ -116,8 +116,8 @@ mod tests {
 
     #[test]
     fn lengths_increase() {
-        assert!(Unit::ALL.windows(2).all(|w| w[0].metres() < w[1].metres() && w[0] < w[1]));
-        assert_eq!(Unit::Inch.metres() * 5000.0, 127.0);
-        assert_eq!(Unit::Foot.metres() * 10000.0, 3048.0);
+        assert!(Unit::ALL.windows(2).all(|w| w[0].meters() < w[1].meters() && w[0] < w[1]));
+        assert_eq!(Unit::Inch.meters() * 5000.0, 127.0);
+        assert_eq!(Unit::Foot.meters() * 10000.0, 3048.0);
     }
 }

@@ -1,23 +1,24 @@
-//! NumPy arrays, in and out.
+//! NumPy arrays as arguments and results.
 
 use numpy::{Element, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 
-/// Arrays of doubles whose last axes are fixed.
+/// Description of arrays of doubles whose last axes are fixed.
 pub(crate) struct Plain {
-    /// The last axes: `[4, 4]`.
+    /// Lengths of the last axes, such as `[4, 4]`.
     pub(crate) core: &'static [usize],
-    /// What of `impinge._arrays` reads everything that is not such an array yet.
+    /// Name of the function of `impinge._arrays` that converts everything else to such an array.
     pub(crate) reader: &'static str,
 }
 
 impl Plain {
-    /// The array itself where its doubles lie side by side; else what the reader makes of it.
+    /// Returns the array itself if its doubles are contiguous, and otherwise the result of the
+    /// reader.
     ///
     /// # Errors
-    /// `InputError` where it is none, naming it.
+    /// `InputError` if the value cannot be converted. It contains the name of the argument.
     pub(crate) fn read<'py>(&self, value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
         if let Ok(array) = value.cast::<PyArrayDyn<f64>>()
             && array.is_c_contiguous()
@@ -34,28 +35,28 @@ impl Plain {
     }
 }
 
-/// The numbers of an array that is of this type and of any layout, row by row.
+/// Returns the numbers of an array of this type and of any layout, row by row.
 ///
 /// # Errors
-/// `TypeError` where it is something else.
+/// `TypeError` if the value is something else.
 pub(crate) fn plain_column<T: Element + Copy>(value: &Bound<'_, PyAny>) -> PyResult<Vec<T>> {
     let numpy = value.py().import("numpy")?;
     let plain = numpy.call_method1("require", (value, value.py().None(), ("C_CONTIGUOUS", "ALIGNED")))?;
     Ok(plain.cast::<PyArrayDyn<T>>()?.readonly().as_slice()?.to_vec())
 }
 
-/// An array with these axes.
+/// Returns an array with these axes.
 pub(crate) fn array<'py, T: Element>(py: Python<'py>, values: Vec<T>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let count = values.len();
     let flat = PyArray1::from_vec(py, values);
-    // One axis, as of the point of a single answer, needs no second array object.
+    // One axis, for example of the point of a single answer, needs no second array object.
     if shape == [count] {
         return Ok(flat.into_any());
     }
     Ok(flat.reshape(shape.to_vec())?.into_any())
 }
 
-/// An array of rows of `N` with these leading axes.
+/// Returns an array of rows of `N` entries with these leading axes.
 pub(crate) fn row_array<'py, T: Element, const N: usize>(
     py: Python<'py>,
     rows: Vec<[T; N]>,
@@ -64,7 +65,7 @@ pub(crate) fn row_array<'py, T: Element, const N: usize>(
     array(py, rows.into_flattened(), &[lead, &[N]].concat())
 }
 
-/// The same array, which nobody can write to.
+/// Returns the same array, made read-only.
 pub(crate) fn read_only(array: Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
     let named = PyDict::new(array.py());
     named.set_item("write", false)?;
@@ -72,7 +73,8 @@ pub(crate) fn read_only(array: Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
     Ok(array.unbind())
 }
 
-/// Answers of uneven number, one after another, with the places at which each begins and the last ends.
+/// Concatenates answers of different lengths. Returns the offset of the first entry of each answer
+/// and the end of the last, and the entries.
 pub(crate) fn ragged<T>(answers: Vec<Vec<T>>) -> (Vec<i64>, Vec<T>) {
     let mut offsets = vec![0];
     let mut all = Vec::with_capacity(answers.iter().map(Vec::len).sum());

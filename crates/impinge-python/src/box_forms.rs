@@ -1,8 +1,8 @@
-//! An axis-aligned box in its three forms and packed, and one box against many.
+//! Axis-aligned boxes in three forms and in packed forms, and queries of one box against many.
 
 use impinge::InputError;
 use impinge::volume::{
-    AabbBatch, BoundingVolume, CentreRadius, MinMax, MinWidths, PackedCentreRadius, PackedMinWidths,
+    AabbBatch, BoundingVolume, CenterRadius, MinMax, MinWidths, PackedCenterRadius, PackedMinWidths,
 };
 use pyo3::prelude::*;
 
@@ -13,7 +13,7 @@ use crate::partitions::EXPONENT;
 use crate::points::Points;
 use crate::poses;
 
-/// What `Aabb`, `MinWidths` and `CenterRadius` of `impinge.fit` hold.
+/// Contents of `Aabb`, `MinWidths` and `CenterRadius` of `impinge.fit`.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct BoxCore(Form);
 
@@ -21,21 +21,21 @@ pub(crate) struct BoxCore(Form);
 enum Form {
     MinMax(MinMax),
     MinWidths(MinWidths),
-    CentreRadius(CentreRadius),
+    CenterRadius(CenterRadius),
 }
 
-/// What `PackedMinWidths` and `PackedCenterRadius` of `impinge.fit` hold.
+/// Contents of `PackedMinWidths` and `PackedCenterRadius` of `impinge.fit`.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct PackedCore(Packed);
 
 enum Packed {
     MinWidths8(PackedMinWidths<u8>),
     MinWidths16(PackedMinWidths<u16>),
-    CentreRadius8(PackedCentreRadius<u8>),
-    CentreRadius16(PackedCentreRadius<u16>),
+    CenterRadius8(PackedCenterRadius<u8>),
+    CenterRadius16(PackedCenterRadius<u16>),
 }
 
-/// What `impinge.fit.AabbBatch` holds.
+/// Contents of `impinge.fit.AabbBatch`.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct BatchCore(AabbBatch);
 
@@ -44,24 +44,26 @@ impl Form {
         match self {
             Self::MinMax(own) => own,
             Self::MinWidths(own) => own.into(),
-            Self::CentreRadius(own) => own.into(),
+            Self::CenterRadius(own) => own.into(),
         }
     }
 
-    /// What `of` finds out about this box and another of the same form.
+    /// Returns the result of `of` for this box and another box of the same form.
     ///
     /// # Errors
-    /// `InputError` where the other has another form.
-    fn beside<T>(self, other: &Bound<'_, BoxCore>, of: impl Fn(Self, Self) -> Option<T>) -> PyResult<T> {
+    /// `InputError` if the other box has another form.
+    fn with_same_form<T>(self, other: &Bound<'_, BoxCore>, of: impl Fn(Self, Self) -> Option<T>) -> PyResult<T> {
         of(self, other.get().0).ok_or_else(|| {
-            Fault::new("type", "other", "is a box in another form").hint(Some("convert it")).raised(other.py())
+            Fault::new("type", "other", "is a box in another form")
+                .hint(Some("convert one of the two boxes to the form of the other"))
+                .raised(other.py())
         })
     }
 }
 
 #[pymethods]
 impl BoxCore {
-    /// The box of two rows of numbers, whose names say the form.
+    /// Makes a box from two rows of three numbers. The names of the rows select the form.
     #[new]
     fn new<'py>(names: (String, String), first: &Bound<'py, PyAny>, second: &Bound<'py, PyAny>) -> PyResult<Self> {
         let py = first.py();
@@ -83,17 +85,17 @@ impl BoxCore {
         let made = if names.1 == "widths" {
             MinWidths::new(first, second).map(Form::MinWidths)
         } else {
-            CentreRadius::new(first, second).map(Form::CentreRadius)
+            CenterRadius::new(first, second).map(Form::CenterRadius)
         };
         made.map(Self).map_err(|error| fault(&error, &names.1).raised(py))
     }
 
-    /// The two rows of numbers, (3,) each, the volume and the area of the surface.
+    /// Returns the two rows of numbers, (3,) each, the volume and the surface area.
     fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let (first, second, volume, area) = match self.0 {
             Form::MinMax(own) => (own.min(), own.max(), own.volume(), own.surface_area()),
             Form::MinWidths(own) => (own.min(), own.widths(), own.volume(), own.surface_area()),
-            Form::CentreRadius(own) => (own.centre(), own.half_extents(), own.volume(), own.surface_area()),
+            Form::CenterRadius(own) => (own.center(), own.half_extents(), own.volume(), own.surface_area()),
         };
         let columns = (array(py, first.to_vec(), &[3])?, array(py, second.to_vec(), &[3])?, volume, area);
         Ok(columns.into_pyobject(py)?.into_any())
@@ -110,68 +112,69 @@ impl BoxCore {
         })
     }
 
-    fn to_centre_radius(&self) -> Self {
+    fn to_center_radius(&self) -> Self {
         Self(match self.0 {
-            Form::CentreRadius(_) => self.0,
-            form => Form::CentreRadius(form.min_max().into()),
+            Form::CenterRadius(_) => self.0,
+            form => Form::CenterRadius(form.min_max().into()),
         })
     }
 
     fn overlaps(&self, other: &Bound<'_, Self>) -> PyResult<bool> {
-        self.0.beside(other, |own, other| match (own, other) {
+        self.0.with_same_form(other, |own, other| match (own, other) {
             (Form::MinMax(own), Form::MinMax(other)) => Some(own.overlaps(&other)),
             (Form::MinWidths(own), Form::MinWidths(other)) => Some(own.overlaps(&other)),
-            (Form::CentreRadius(own), Form::CentreRadius(other)) => Some(own.overlaps(&other)),
+            (Form::CenterRadius(own), Form::CenterRadius(other)) => Some(own.overlaps(&other)),
             _ => None,
         })
     }
 
     fn encloses(&self, other: &Bound<'_, Self>) -> PyResult<bool> {
-        self.0.beside(other, |own, other| match (own, other) {
+        self.0.with_same_form(other, |own, other| match (own, other) {
             (Form::MinMax(own), Form::MinMax(other)) => Some(own.encloses(&other)),
             (Form::MinWidths(own), Form::MinWidths(other)) => Some(own.encloses(&other)),
-            (Form::CentreRadius(own), Form::CentreRadius(other)) => Some(own.encloses(&other)),
+            (Form::CenterRadius(own), Form::CenterRadius(other)) => Some(own.encloses(&other)),
             _ => None,
         })
     }
 
     fn merged(&self, other: &Bound<'_, Self>) -> PyResult<Self> {
-        let merged = self.0.beside(other, |own, other| match (own, other) {
+        let merged = self.0.with_same_form(other, |own, other| match (own, other) {
             (Form::MinMax(own), Form::MinMax(other)) => Some(Form::MinMax(own.merged(&other))),
             (Form::MinWidths(own), Form::MinWidths(other)) => Some(Form::MinWidths(own.merged(&other))),
-            (Form::CentreRadius(own), Form::CentreRadius(other)) => Some(Form::CentreRadius(own.merged(&other))),
+            (Form::CenterRadius(own), Form::CenterRadius(other)) => Some(Form::CenterRadius(own.merged(&other))),
             _ => None,
         });
         merged.map(Self)
     }
 
-    /// (...) booleans.
+    /// Returns whether the box contains each point, as booleans of shape (...).
     fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let Points { shape, rows } = Points::read(points, "points", EXPONENT)?;
         let holds = |&point: &[f64; 3]| match self.0 {
             Form::MinMax(own) => own.contains(point),
             Form::MinWidths(own) => own.contains(point),
-            Form::CentreRadius(own) => own.contains(point),
+            Form::CenterRadius(own) => own.contains(point),
         };
         array(points.py(), rows.iter().map(holds).collect(), &shape)
     }
 
-    /// The box of the same form about the image.
+    /// Returns a box of the same form that contains the image of this box under a pose.
     fn moved(&self, pose: &Bound<'_, PyAny>) -> PyResult<Self> {
         let (py, pose) = (pose.py(), &poses::read_one(pose, "pose", "one pose is expected, (4, 4)")?);
         let moved = match self.0 {
             Form::MinMax(own) => own.moved(pose).map(Form::MinMax),
             Form::MinWidths(own) => own.moved(pose).map(Form::MinWidths),
-            Form::CentreRadius(own) => own.moved(pose).map(Form::CentreRadius),
+            Form::CenterRadius(own) => own.moved(pose).map(Form::CenterRadius),
         };
         moved.map(Self).map_err(|error| fault(&error, "pose").at(Vec::new()).raised(py))
     }
 
-    /// The box with extents of 8 or 16 bits; one by its corners by its widths.
+    /// Returns the box packed with extents of 8 or 16 bits. A box given by its corners is packed by
+    /// its widths.
     fn packed(&self, py: Python<'_>, bits: u32) -> PyResult<PackedCore> {
         let packed = match (self.0, bits) {
-            (Form::CentreRadius(own), 8) => own.try_into().map(Packed::CentreRadius8),
-            (Form::CentreRadius(own), _) => own.try_into().map(Packed::CentreRadius16),
+            (Form::CenterRadius(own), 8) => own.try_into().map(Packed::CenterRadius8),
+            (Form::CenterRadius(own), _) => own.try_into().map(Packed::CenterRadius16),
             (Form::MinWidths(own), 8) => own.try_into().map(Packed::MinWidths8),
             (Form::MinWidths(own), _) => own.try_into().map(Packed::MinWidths16),
             (Form::MinMax(own), 8) => MinWidths::from(own).try_into().map(Packed::MinWidths8),
@@ -183,35 +186,35 @@ impl BoxCore {
 
 #[pymethods]
 impl PackedCore {
-    /// The box that it is, exactly.
+    /// Returns the box that the packed numbers represent, exactly.
     fn unpacked(&self) -> BoxCore {
         BoxCore(match self.0 {
             Packed::MinWidths8(own) => Form::MinWidths(own.into()),
             Packed::MinWidths16(own) => Form::MinWidths(own.into()),
-            Packed::CentreRadius8(own) => Form::CentreRadius(own.into()),
-            Packed::CentreRadius16(own) => Form::CentreRadius(own.into()),
+            Packed::CenterRadius8(own) => Form::CenterRadius(own.into()),
+            Packed::CenterRadius16(own) => Form::CenterRadius(own.into()),
         })
     }
 
-    /// Bytes that the numbers take.
+    /// Returns the number of bytes that the numbers take.
     fn size(&self) -> usize {
         match &self.0 {
             Packed::MinWidths8(own) => size_of_val(own),
             Packed::MinWidths16(own) => size_of_val(own),
-            Packed::CentreRadius8(own) => size_of_val(own),
-            Packed::CentreRadius16(own) => size_of_val(own),
+            Packed::CenterRadius8(own) => size_of_val(own),
+            Packed::CenterRadius16(own) => size_of_val(own),
         }
     }
 }
 
 #[pymethods]
 impl BatchCore {
-    /// Boxes from lower corners to upper ones, (n, 3), in single precision.
+    /// Makes boxes from lower and upper corners, (n, 3), in single precision.
     #[new]
     fn new(low: &Bound<'_, PyAny>, high: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let Boxes { shape, rows } = Boxes::read(low, high, EXPONENT)?;
         if shape.len() != 1 {
-            let message = format!("leading axes {shape:?}, where (n, 3) is expected");
+            let message = format!("leading axes {shape:?}, but (n, 3) is expected");
             return Err(Fault::new("shape", "low", message).raised(low.py()));
         }
         Ok(Self(low.py().detach(|| rows.iter().map(MinMax::to_aabb).collect())))
@@ -221,7 +224,7 @@ impl BatchCore {
         self.0.len()
     }
 
-    /// (k,) numbers of the boxes that overlap this one, ascending.
+    /// Returns the indices of the boxes that overlap a box, (k,), in ascending order.
     fn overlapping<'py>(&self, one: &Bound<'py, BoxCore>) -> PyResult<Bound<'py, PyAny>> {
         let (py, one) = (one.py(), one.get().0.min_max().to_aabb());
         let found = py.detach(|| {

@@ -10,18 +10,19 @@ use crate::poses;
 
 /// Boxes with their leading axes.
 pub(crate) struct Boxes {
-    /// The leading axes; none for a single box.
+    /// Leading axes. Empty for a single box.
     pub(crate) shape: Vec<usize>,
-    /// In row-major order.
+    /// Boxes in row-major order.
     pub(crate) rows: Vec<MinMax>,
 }
 
 impl Boxes {
-    /// Reads lower corners, (..., 3), and upper ones, as they broadcast; where there are no upper ones, points, which are boxes
-    /// without an extent.
+    /// Reads boxes from lower and upper corners, each (..., 3), which broadcast. Without upper
+    /// corners the boxes are points.
     ///
     /// # Errors
-    /// `InputError` where they are no points below 2 to the `exponent`, do not fit, or an upper corner is below a lower one.
+    /// `InputError` if a coordinate is not finite or not below 2^`exponent`, if the leading axes do
+    /// not broadcast, or if an upper corner is below a lower one.
     pub(crate) fn read(low: &Bound<'_, PyAny>, high: Option<&Bound<'_, PyAny>>, exponent: i32) -> PyResult<Self> {
         let py = low.py();
         let low = Points::read(low, "low", exponent)?;
@@ -34,7 +35,7 @@ impl Boxes {
             let [at_low, at_high] = common.sources(row);
             let (low, high) = (low.rows[at_low], high.rows[at_high]);
             if (0..3).any(|axis| low[axis] > high[axis]) {
-                return Err(Fault::new("order", "high", "a corner is below that of low").at(at()).raised(py));
+                return Err(Fault::new("order", "high", "an upper corner is below the lower one").at(at()).raised(py));
             }
             rows.push(MinMax::new(low, high).map_err(|error| {
                 Fault::new(kind_and_place(&error).0, "high", message(&error)).at(at()).hint(error.hint()).raised(py)
@@ -43,7 +44,7 @@ impl Boxes {
         Ok(Self { shape: common.shape().to_vec(), rows })
     }
 
-    /// The corners of boxes, (n, 2, 3).
+    /// Returns the corners of boxes, (n, 2, 3).
     pub(crate) fn corners(boxes: &[MinMax]) -> Vec<f64> {
         boxes.iter().flat_map(|bounds| [bounds.min(), bounds.max()]).flatten().collect()
     }

@@ -1,4 +1,4 @@
-//! Rigged characters as Python holds them: what a file holds, with volumes fitted to its parts.
+//! Rigged characters in Python: a rig from a file, with volumes fitted to its parts.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::character_pose::PosedCore;
 use crate::errors::{Fault, load_error};
 use crate::workers;
 
-/// What `impinge.Character` holds.
+/// Contents of `impinge.Character`.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct CharacterCore(Arc<Fitted>);
 
@@ -22,7 +22,7 @@ pub(crate) struct Fitted {
     pub(crate) character: Character,
 }
 
-/// Why there is no character.
+/// Reason why no character can be made.
 enum Refusal {
     File(LoadError),
     Rig(RigError),
@@ -49,17 +49,18 @@ impl Refusal {
     }
 }
 
-/// A part as a row of the table: name, numbers of its bones, that of the bone it is fixed to, kind and looseness of its volume,
-/// and the points whose hull a ball of a radius sweeps.
+/// A part as a row of a table: name, indices of its bones, index of the bone that it is fixed to,
+/// kind and looseness of its volume, and the points whose hull is swept by a sphere of a radius.
 type Row = (String, Vec<u32>, u32, &'static str, f64, Vec<[f64; 3]>, f64);
 
-/// A part as the constructor of shapes takes it: kind, points and numbers.
+/// A part as an argument of the constructor of shapes: kind, points and numbers.
 type ShapeRow<'py> = (&'static str, Bound<'py, PyAny>, Vec<f64>);
 
 #[pymethods]
 impl CharacterCore {
-    /// Of a rigged file: fitted to at most so many parts, or to those of a plan; or as it was fitted and saved. Volumes are
-    /// opened into hulls of at most `pieces` faces where that is given.
+    /// Loads a rigged file. Volumes are fitted to at most `volumes` parts or to the parts of a
+    /// plan, or read from a file of fitted volumes. If `pieces` is given, volumes are refined into
+    /// hulls of at most that number of faces.
     #[new]
     #[pyo3(signature = (path, volumes, mode, plan, fitted, pieces))]
     fn new(
@@ -91,13 +92,13 @@ impl CharacterCore {
         })
     }
 
-    /// Of a rigged file, with what `text` returned.
+    /// Loads a rigged file, with the volumes in the text that `text` returned.
     #[staticmethod]
     fn reopened(py: Python<'_>, path: PathBuf, text: String, pieces: Option<usize>) -> PyResult<Self> {
         Self::made(py, path, pieces, move |rig| Ok(parse_character(&text, rig)?))
     }
 
-    /// Name, start and end in seconds of each animation.
+    /// Returns name, start and end in seconds of each animation.
     fn animations(&self) -> Vec<(String, f64, f64)> {
         let of = |animation: &impinge::character::Animation| {
             let [start, end] = animation.span();
@@ -106,7 +107,7 @@ impl CharacterCore {
         self.0.rig.animations().iter().map(of).collect()
     }
 
-    /// The names of the bones.
+    /// Returns the names of the bones.
     fn bones(&self) -> Vec<String> {
         self.0.rig.skeleton().bones().iter().map(|bone| bone.name.clone()).collect()
     }
@@ -120,11 +121,11 @@ impl CharacterCore {
         self.0.character.parts().iter().map(of).collect()
     }
 
-    /// The parts as bodies, which stand where `PosedCore.body_poses` says.
+    /// Returns the parts as shapes of bodies. `PosedCore.body_poses` has their poses.
     fn shapes<'py>(&self, py: Python<'py>) -> PyResult<Vec<ShapeRow<'py>>> {
         let of = |part: &impinge::character::HitPart| {
             let (points, numbers) = match part.volume() {
-                HitVolume::Sphere(sphere) => (vec![sphere.centre()], vec![sphere.radius()]),
+                HitVolume::Sphere(sphere) => (vec![sphere.center()], vec![sphere.radius()]),
                 HitVolume::Capsule(capsule) => (capsule.ends().to_vec(), vec![capsule.radius()]),
                 HitVolume::Box(obb) => (Vec::new(), obb.half_extents().to_vec()),
                 HitVolume::Lozenge(plate) => {
@@ -138,12 +139,13 @@ impl CharacterCore {
         self.0.character.parts().iter().map(of).collect()
     }
 
-    /// The text of a file that keeps the fit.
+    /// Returns the text of a file that stores the fitted volumes.
     fn text(&self) -> String {
         character_text(&self.0.rig, &self.0.character)
     }
 
-    /// The share of each part's vertices that is outside of all volumes, and how far the farthest is.
+    /// Returns for each part the share of its vertices outside of all volumes, and the distance of
+    /// the farthest one.
     fn leaks(&self, py: Python<'_>) -> PyResult<(Vec<f64>, Vec<f64>)> {
         let own = self.0.clone();
         let leaks = workers::run(py, move |_| own.character.leaks(&own.rig))?;
@@ -151,13 +153,14 @@ impl CharacterCore {
         Ok(leaks.iter().map(|leak| (leak.share, leak.farthest)).unzip())
     }
 
-    /// (m, 3) faces of the skin, and the part of each, (m,).
+    /// Returns the faces of the skin, (m, 3), and the part of each face, (m,).
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let (faces, parts) = (self.0.rig.skin().faces(), self.0.character.part_of_face());
         Ok((row_array(py, faces.to_vec(), &[faces.len()])?, array(py, parts.to_vec(), &[parts.len()])?))
     }
 
-    /// The character at a time of an animation, or at rest, with its origin somewhere in the world.
+    /// Returns the character at a time of an animation, or in its rest pose, with its origin at a
+    /// point of the world.
     fn pose(&self, py: Python<'_>, animation: Option<usize>, time: f64, origin: [f64; 3]) -> PyResult<PosedCore> {
         let rig = &self.0.rig;
         let pose = animation.map_or_else(|| rig.rest_pose(), |animation| rig.pose_at(animation, time));
@@ -167,7 +170,7 @@ impl CharacterCore {
 }
 
 impl CharacterCore {
-    /// Of a rigged file, with volumes that `fit` makes.
+    /// Loads a rigged file, with volumes that `fit` makes.
     fn made(
         py: Python<'_>,
         path: PathBuf,
@@ -187,10 +190,10 @@ impl CharacterCore {
     }
 }
 
-/// The points whose hull the ball of a volume sweeps, and the radius of that ball.
+/// Returns the points whose hull is swept by the sphere of a volume, and the radius of the sphere.
 fn core(volume: &HitVolume) -> (Vec<[f64; 3]>, f64) {
     match volume {
-        HitVolume::Sphere(sphere) => (vec![sphere.centre()], sphere.radius()),
+        HitVolume::Sphere(sphere) => (vec![sphere.center()], sphere.radius()),
         HitVolume::Capsule(capsule) => (capsule.ends().to_vec(), capsule.radius()),
         HitVolume::Box(obb) => (obb.corners().to_vec(), 0.0),
         HitVolume::Lozenge(plate) => {

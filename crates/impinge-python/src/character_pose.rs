@@ -1,4 +1,5 @@
-//! A character in one pose: which parts rays, punches, shapes and other characters strike.
+//! A character in one pose: which of its parts are struck by rays, punches, shapes and other
+//! characters.
 
 use std::sync::Arc;
 
@@ -17,13 +18,13 @@ use crate::motions::matrix;
 use crate::points::Points;
 use crate::poses;
 use crate::rays::Rays;
-use crate::shapes::weighed;
+use crate::shapes::read_shape;
 use crate::workers::{self, Call};
 
-/// Rays that a thread takes at a time, with one placing of the parts.
+/// Number of rays that a thread takes at a time. The parts are placed once for each block.
 const BLOCK: usize = 256;
 
-/// What `impinge.CharacterPose` holds.
+/// Contents of `impinge.CharacterPose`.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct PosedCore(Arc<Placing>);
 
@@ -46,20 +47,23 @@ impl PosedCore {
         Self(Arc::new(Placing { fitted, pose, origin }))
     }
 
-    /// What `ask` answers about each ray of a block, of all blocks.
+    /// Returns the answers of `ask` for all rays. `ask` gets a block of rays.
+    ///
+    /// # Errors
+    /// `InputError` if a ray is invalid.
     fn ask<T: Clone + Send + Sync + 'static>(
         &self,
         py: Python<'_>,
         rays: &Rays,
         ask: impl Fn(&Placing, &[Ray]) -> Vec<T> + Send + Sync + 'static,
     ) -> PyResult<Vec<T>> {
-        let judged = |row| {
+        let ray = |row| {
             let [origin, direction] = rays.at(row);
             let place = |error| fault(&error, "directions", Broadcast::place(rays.lead(), row)).raised(py);
             Ray::new(origin, direction).map_err(place)
         };
         let (placing, count) = (self.0.clone(), rays.len());
-        let all: Vec<Ray> = (0..count).map(judged).collect::<PyResult<_>>()?;
+        let all: Vec<Ray> = (0..count).map(ray).collect::<PyResult<_>>()?;
         let call = Call { rows: count.div_ceil(BLOCK), is_brief: count <= BLOCK, progress: false };
         let of = move |block: usize| ask(&placing, &all[block * BLOCK..count.min((block + 1) * BLOCK)]);
         Ok(workers::rows(py, call, of)?.into_iter().flatten().collect())
@@ -72,7 +76,7 @@ fn fault(error: &InputError, argument: &str, at: Vec<usize>) -> Fault {
 
 #[pymethods]
 impl PosedCore {
-    /// (p, 4, 4) poses of the frames that the parts' volumes are in.
+    /// Returns the poses of the frames of the parts' volumes, (p, 4, 4).
     fn frames<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let posed = self.0.posed();
         let frames = posed.frames().iter().map(|frame| frame.pose().map(|pose| matrix(&pose)));
@@ -82,12 +86,13 @@ impl PosedCore {
         array(py, frames.into_flattened(), &[count, 4, 4])
     }
 
-    /// (2, 3) lower and upper corner of a box about all volumes.
+    /// Returns the lower and the upper corner of a box around all volumes, (2, 3), in the world
+    /// frame.
     fn bounds(&self) -> [[f64; 3]; 2] {
         self.0.posed().outer()
     }
 
-    /// (n, 3) vertices of the skinned surface.
+    /// Returns the vertices of the skinned surface, (n, 3), in the world frame.
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let placing = self.0.clone();
         let vertices = workers::run(py, move |_| {
@@ -102,7 +107,8 @@ impl PosedCore {
         row_array(py, vertices, &[count])
     }
 
-    /// Whether each ray strikes a part, (...), and the columns of hits with these leading axes.
+    /// Returns whether each ray strikes a part, (...), and the columns of hits with these leading
+    /// axes.
     fn ray_cast<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -117,7 +123,8 @@ impl PosedCore {
         Ok((hit, columns(py, &found, rays.lead())?).into_pyobject(py)?.into_any())
     }
 
-    /// Whether each ray meets the skinned surface, (...), part, bone, face and t, (...), and point, (..., 3).
+    /// Returns whether each ray hits the skinned surface, (...), part, bone, face and t, (...), and
+    /// point, (..., 3).
     fn surface_ray_cast<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -145,7 +152,8 @@ impl PosedCore {
         Ok(columns.into_pyobject(py)?.into_any())
     }
 
-    /// (p, 4, 4) poses of the parts as bodies, whose shapes are those of `CharacterCore.shapes`.
+    /// Returns the poses of the parts as bodies, (p, 4, 4). Their shapes are those of
+    /// `CharacterCore.shapes`.
     fn body_poses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let posed = self.0.posed();
         let poses = posed.character().parts().iter().zip(posed.frames()).map(|(part, frame)| {
@@ -158,7 +166,8 @@ impl PosedCore {
         array(py, poses.into_flattened(), &[count, 4, 4])
     }
 
-    /// Offsets of each ray's hits, the columns of those of all rays, (k,), and the leading axes.
+    /// Returns the offsets of the hits of each ray, columns with the hits of all rays, (k,), and
+    /// the leading axes.
     fn ray_cast_all<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -175,7 +184,7 @@ impl PosedCore {
         Ok((array(py, offsets, &[places])?, columns(py, &hits, &[count])?, shape).into_pyobject(py)?.into_any())
     }
 
-    /// The columns of the parts that a shape or the surface of a mesh strikes, which is at a pose.
+    /// Returns the columns of the parts that a shape, or the surface of a mesh, strikes at a pose.
     fn struck_by<'py>(&self, shape: &Bound<'py, PyAny>, pose: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = shape.py();
         let pose = poses::read_one(pose, "pose", "one pose is expected, (4, 4)")?;
@@ -184,7 +193,7 @@ impl PosedCore {
             let mesh = mesh_of(shape, "shape")?;
             workers::run(py, move |_| placing.posed().struck_by_mesh(mesh.at(pose)))?
         } else {
-            let shape = weighed(shape, "shape", false)?.shape;
+            let shape = read_shape(shape, "shape", false)?.shape;
             workers::run(py, move |_| placing.posed().struck_by(&shape.at(pose)?))?
         };
         let hits = hits.map_err(|error| fault(&error, "pose", Vec::new()).raised(py))?;
@@ -192,7 +201,7 @@ impl PosedCore {
         columns(py, &hits, &[hits.len()])
     }
 
-    /// The columns of the pairs of parts that meet those of another character.
+    /// Returns the columns of the pairs of parts that intersect those of another character.
     fn struck_by_character<'py>(&self, py: Python<'py>, other: &Self) -> PyResult<Bound<'py, PyAny>> {
         let (own, other) = (self.0.clone(), other.0.clone());
         let pairs = workers::run(py, move |_| own.posed().struck_by_character(&other.posed()))?;
@@ -211,8 +220,9 @@ impl PosedCore {
         Ok(columns.into_pyobject(py)?.into_any())
     }
 
-    /// The columns of the parts that a volume strikes while it moves from one pose to another, and the character to another one
-    /// of its own. The volume is the hull of points that a ball of a radius sweeps, as `Character.parts` has them.
+    /// Returns the columns of the parts that a volume strikes while it moves from one pose to
+    /// another, and the character moves to another pose of its own. The volume is the hull of
+    /// points swept by a sphere of a radius, as in `Character.parts`.
     fn strikes<'py>(
         &self,
         to: &Self,
@@ -228,7 +238,7 @@ impl PosedCore {
         let (kind, points, radius) = volume;
         let points = Points::read(&points, "volume", 128)?.rows;
         let volume = match (kind, &points[..]) {
-            ("sphere", &[centre]) => BoundingSphere::new(centre, radius).map(HitVolume::Sphere),
+            ("sphere", &[center]) => BoundingSphere::new(center, radius).map(HitVolume::Sphere),
             ("capsule", &[start, end]) => Capsule::new(start, end, radius).map(HitVolume::Capsule),
             _ => HitHull::new(&points).map(HitVolume::Hull),
         };
@@ -240,7 +250,7 @@ impl PosedCore {
         let (own, to) = (self.0.clone(), to.0.clone());
         let strikes = workers::run(py, move |_| {
             let strikes = |end: &Pose| own.posed().strikes(&to.posed(), &volume, &from, end);
-            // Where the first pose alone is refused as well, it is the one that is wrong.
+            // If the first pose alone is rejected too, the first pose is the invalid one.
             strikes(&there)
                 .map_err(|error| if strikes(&from).is_err() { (error, "pose_t0") } else { (error, "pose_t1") })
         })?;
@@ -254,7 +264,8 @@ impl PosedCore {
     }
 }
 
-/// Part, bone and t, (...), point and normal, (..., 3), and depth, (...): -1, infinity and zero where nothing is struck.
+/// Returns part, bone and t, (...), point and normal, (..., 3), and depth, (...). If nothing is
+/// struck, the indices are -1, t is infinite and the other numbers are zero.
 fn columns<'py>(py: Python<'py>, hits: &[Option<PartHit>], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let numbers = |of: fn(&PartHit) -> u32| {
         array(py, hits.iter().map(|hit| hit.as_ref().map_or(-1, |hit| i64::from(of(hit)))).collect(), shape)

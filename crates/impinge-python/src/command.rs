@@ -1,4 +1,4 @@
-//! The `impinge` command, which the wheel brings along.
+//! The `impinge` command, which the wheel contains.
 
 use std::ffi::OsString;
 
@@ -6,15 +6,15 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use rayon::ThreadPoolBuilder;
 
-/// Runs the command with these arguments, the program's name not among them, and returns its exit code.
+/// Runs the command with its arguments, without the name of the program, and returns its exit code.
 ///
-/// The command takes over the process: an interrupt ends the process with exit code 2, without the interpreter. The
-/// interpreter's lock is released meanwhile.
+/// The command takes over the process: an interrupt ends the process with exit code 2, without the
+/// interpreter. The lock of the interpreter is released while the command runs.
 #[pyfunction]
 pub(crate) fn run_command(py: Python<'_>, arguments: Vec<OsString>) -> PyResult<u8> {
-    // The default pool of this process has one thread (`workers::keep_callers_alone`).
+    // The default pool of this process has one thread (`workers::limit_default_pool`).
     let all_processors = ThreadPoolBuilder::new()
         .build()
-        .map_err(|error| PyRuntimeError::new_err(format!("the threads of the command cannot be started: {error}")))?;
+        .map_err(|error| PyRuntimeError::new_err(format!("cannot start the threads of the command: {error}")))?;
     Ok(py.detach(|| all_processors.install(|| impinge_cli::run(arguments))))
 }

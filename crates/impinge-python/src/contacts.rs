@@ -12,12 +12,13 @@ struct Contact {
     normal: [f64; 3],
     points: [[f64; 3]; 2],
     bounds: [f64; 2],
-    /// Of either shape: the part, the kind of feature, and its one or two numbers.
+    /// For each shape: the part, the kind of feature, and its one or two indices.
     id: [u32; 8],
 }
 
-/// Offsets of each row's contacts, (n + 1,), and the columns of those of all: numbers of the manifolds within their row, (k,),
-/// normals, (k, 3), points of a and of b, (k, 3), lower and upper bounds of the depths, (k,), and ids, (k, 2, 4).
+/// Returns the offsets of the contacts of each row, (n + 1,), and columns with the contacts of all
+/// rows: index of the manifold within its row, (k,), normal, (k, 3), points of a and of b, (k, 3),
+/// lower and upper bound of the depth, (k,), and id, (k, 2, 4).
 pub(crate) fn columns<'py, 'm>(
     py: Python<'py>,
     rows: impl Iterator<Item = &'m [Manifold]>,
@@ -54,7 +55,7 @@ fn of_row(manifolds: &[Manifold]) -> Vec<Contact> {
     numbered.flat_map(of).collect()
 }
 
-/// The kind of a feature, and its numbers.
+/// Returns the kind of a feature and its indices.
 fn feature(feature: Feature) -> [u32; 3] {
     match feature {
         Feature::Vertex(vertex) => [0, vertex, 0],
@@ -63,10 +64,10 @@ fn feature(feature: Feature) -> [u32; 3] {
     }
 }
 
-/// The contacts that [`columns`] were made of; none where these are not.
+/// Returns the contacts that [`columns`] converted, or `None` if the columns contradict each other.
 ///
 /// # Errors
-/// `TypeError` where they are no such arrays.
+/// `TypeError` if the arrays have other types.
 pub(crate) fn manifolds(columns: &Bound<'_, PyAny>) -> PyResult<Option<Vec<Vec<Manifold>>>> {
     type Columns<'py> = [Bound<'py, PyAny>; 7];
     let (offsets, columns): (Bound<'_, PyAny>, Columns<'_>) = columns.extract()?;
@@ -100,7 +101,7 @@ pub(crate) fn manifolds(columns: &Bound<'_, PyAny>) -> PyResult<Option<Vec<Vec<M
     Ok(offsets.windows(2).map(row).collect())
 }
 
-/// What [`feature`] was made of.
+/// Returns the feature that [`feature`] converted, or `None` if the kind is unknown.
 fn feature_of([kind, first, second]: [u32; 3]) -> Option<Feature> {
     match kind {
         0 => Some(Feature::Vertex(first)),

@@ -1,4 +1,5 @@
-//! How far apart two things are, whether they keep a clearance, and how deep they are in each other.
+//! How far apart two things are, whether they keep a clearance, and how deep they are in each
+//! other.
 
 use impinge::query::{Distance, Penetration, Witness};
 use pyo3::prelude::*;
@@ -7,8 +8,8 @@ use crate::arrays::{array, row_array};
 use crate::question::{Question, Search};
 use crate::verbs::yes_or_no;
 
-/// Seven columns: distance, lower and upper bound, (...), points of a and of b, (..., 3), and their faces, (...), which are
-/// -1, and the points zero, where there are none.
+/// Returns seven columns: distance, lower and upper bound, (...), points of a and of b, (..., 3),
+/// and their faces, (...). If there are no nearest points, the faces are -1 and the points zero.
 #[pyfunction]
 pub(crate) fn distance(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
     let replies = question.ask(py, Search::OneThread, |batch| batch.distance())?;
@@ -38,14 +39,15 @@ pub(crate) fn distance(py: Python<'_>, question: Question) -> PyResult<Bound<'_,
     })
 }
 
-/// `bool`, or an array of them; what is undecided counts as yes.
+/// Returns a `bool` or an array of them. An undecided answer counts as `True`.
 #[pyfunction]
 pub(crate) fn within(py: Python<'_>, question: Question, clearance: f64) -> PyResult<Bound<'_, PyAny>> {
     yes_or_no(py, question.ask(py, Search::OneThread, move |batch| batch.within(clearance))?)
 }
 
-/// Six columns: whether they intersect, lower and upper bound, (...), and normal and points of a and of b, (..., 3); all are zero
-/// where they do not.
+/// Returns six columns: whether the things intersect, lower and upper bound of the depth, (...),
+/// and normal, point of a and point of b, (..., 3). All numbers are zero if the things do not
+/// intersect.
 #[pyfunction]
 pub(crate) fn penetration(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
     const NONE: Penetration = Penetration { upper: 0.0, ..Penetration::UNKNOWN };

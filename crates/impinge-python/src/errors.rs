@@ -1,5 +1,5 @@
-//! Errors of the library as Python raises them: `impinge.InputError`, which says what is wrong with which argument, and
-//! where in it.
+//! Errors of the library as exceptions of Python. `impinge.InputError` says which argument is
+//! invalid, where in it, and why.
 
 use impinge::{InputError, InputErrorKind};
 use impinge_files::{LoadError, LoadErrorKind};
@@ -7,22 +7,22 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple};
 
-/// What is wrong with an argument.
+/// An error in an argument, as `impinge.InputError` reports it.
 pub(crate) struct Fault {
-    /// A short stable name, `"non-finite"`.
+    /// Short stable name of the kind of error, such as `"non-finite"`.
     pub(crate) kind: &'static str,
-    /// The argument, `"pose_b"`.
+    /// Name of the argument, such as `"pose_b"`.
     pub(crate) argument: String,
-    /// Index into the argument of what is wrong.
+    /// Index into the argument of the invalid value.
     pub(crate) at: Vec<usize>,
-    /// What is wrong, for a person; without the argument's name.
+    /// Message for people, without the name of the argument.
     pub(crate) message: String,
-    /// What to do about it, where that is known.
+    /// Hint about how to correct the argument, if there is one.
     pub(crate) hint: Option<String>,
 }
 
 impl Fault {
-    /// A fault of a whole argument.
+    /// Returns an error about a whole argument.
     pub(crate) fn new(kind: &'static str, argument: &str, message: impl Into<String>) -> Self {
         Self { kind, argument: argument.to_owned(), at: Vec::new(), message: message.into(), hint: None }
     }
@@ -37,7 +37,7 @@ impl Fault {
         self
     }
 
-    /// The exception that says so.
+    /// Returns the exception for this error.
     pub(crate) fn raised(self, py: Python<'_>) -> PyErr {
         let at = match PyTuple::new(py, self.at) {
             Ok(at) => at.into_any(),
@@ -61,12 +61,13 @@ fn raise(py: Python<'_>, kind: &str, what: &str, place: &Bound<'_, PyAny>, messa
     made().map_or_else(|error| error, PyErr::from_value)
 }
 
-/// A file whose content is read, and is no mesh.
+/// Returns the exception for a file that was read, but whose content is invalid.
 pub(crate) fn file_error(py: Python<'_>, path: &str, kind: &str, message: &str) -> PyErr {
     raise(py, kind, path, &py.None().into_bound(py), message, None)
 }
 
-/// The short name of what the library found, and where within one vertex array, face array or matrix it did.
+/// Returns the short name of an error of the library, and the index within one vertex array, face
+/// array or matrix.
 pub(crate) fn kind_and_place(error: &InputError) -> (&'static str, Vec<usize>) {
     match *error.kind() {
         InputErrorKind::NonFinite { what, index } => ("non-finite", place(what, index)),
@@ -86,19 +87,20 @@ pub(crate) fn kind_and_place(error: &InputError) -> (&'static str, Vec<usize>) {
     }
 }
 
-/// The library counts the entries of a matrix row by row.
+/// Returns the index of an invalid value. The library counts the entries of a matrix row by row.
 fn place(what: &str, index: usize) -> Vec<usize> {
     if what == "pose entry" { vec![index / 4, index % 4] } else { vec![index] }
 }
 
-/// The library's words without the hint, which Python keeps apart.
+/// Returns the message of the library without its hint, which Python stores separately.
 pub(crate) fn message(error: &InputError) -> String {
     let text = error.to_string();
     let Some(hint) = error.hint() else { return text };
     text.strip_suffix(&format!(" ({hint})")).unwrap_or(&text).to_owned()
 }
 
-/// A file that could not be read at all is an `OSError` of the usual kind, a broken one an `InputError`.
+/// Returns the exception for a file that cannot be loaded: an `OSError` of the usual kind if it
+/// cannot be read, and an `InputError` if its content is invalid.
 pub(crate) fn load_error(py: Python<'_>, error: &LoadError) -> PyErr {
     if let LoadErrorKind::Io { kind, message } = error.kind() {
         return std::io::Error::new(*kind, format!("{}: {message}", error.path().display())).into();

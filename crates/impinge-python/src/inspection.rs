@@ -1,4 +1,4 @@
-//! What a mesh may suffer from, its repair, and how good its hierarchy is.
+//! Reports about a mesh: its health, its repair, and the quality of its hierarchy.
 
 use impinge::hierarchy::TreeStatistics;
 use impinge::mesh::{Health, Repair, RepairOptions};
@@ -10,7 +10,7 @@ use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::{MeshBase, mesh_of};
 use crate::workers;
 
-/// The fields of `impinge.Health`.
+/// Returns the fields of `impinge.Health`.
 #[pyfunction]
 pub(crate) fn health<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
     let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
@@ -41,14 +41,14 @@ pub(crate) fn health<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDic
     Ok(named)
 }
 
-/// A tolerance at which welding closes the mesh, if there is one.
+/// Returns a tolerance at which welding closes the mesh, if there is one.
 #[pyfunction]
 pub(crate) fn closing_tolerance(mesh: &Bound<'_, PyAny>) -> PyResult<Option<f64>> {
     let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
     workers::run(py, move |_| mesh.closing_tolerance())
 }
 
-/// The repaired mesh, and the fields of `impinge.Repair`.
+/// Returns the repaired mesh and the fields of `impinge.Repair`.
 #[pyfunction]
 pub(crate) fn repaired<'py>(
     mesh: &Bound<'py, PyAny>,
@@ -78,7 +78,7 @@ pub(crate) fn repaired<'py>(
     Ok((MeshBase::of(&mesh), named))
 }
 
-/// The fields of `impinge.TreeStatistics`.
+/// Returns the fields of `impinge.TreeStatistics`.
 #[pyfunction]
 pub(crate) fn tree_statistics<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
     let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);

@@ -1,5 +1,5 @@
-//! The extension module `impinge._impinge`: arrays in, arrays out. It holds no geometry; the package around it,
-//! `python/impinge`, is what people import.
+//! The extension module `impinge._impinge`, which takes and returns arrays. It contains no
+//! geometry. People import the package around it, `python/impinge`.
 
 mod arrays;
 mod box_forms;
@@ -33,7 +33,7 @@ mod world_queries;
 mod world_state;
 mod world_turn;
 
-/// What `python/impinge` imports; every name is private to that package.
+/// Everything that `python/impinge` imports. Every name is private to that package.
 #[pyo3::pymodule]
 mod _impinge {
     #[pymodule_export]
@@ -91,10 +91,10 @@ mod _impinge {
     #[pymodule_export]
     use super::world_state::WorldState;
 
-    /// Keeps what is asked on the caller's own thread on that thread.
+    /// Limits rayon's default pool to one thread, so that work on the caller's thread stays there.
     #[pymodule_init]
     fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
-        super::workers::keep_callers_alone();
+        super::workers::limit_default_pool();
         pyo3::types::PyModuleMethods::add(module, "__version__", env!("CARGO_PKG_VERSION"))
     }
 }

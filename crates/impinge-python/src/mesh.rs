@@ -1,4 +1,4 @@
-//! The mesh as Python holds it.
+//! The mesh in Python.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -15,25 +15,26 @@ use crate::errors::{Fault, kind_and_place, load_error, message};
 use crate::model::{Content, Model};
 use crate::workers;
 
-/// What `impinge.Mesh` inherits: the mesh as it is now, and the array of its faces once somebody has asked for it.
+/// Base class of `impinge.Mesh`: the current mesh, and the array of its faces once it was
+/// requested.
 #[pyclass(subclass, frozen, module = "impinge._impinge")]
 pub(crate) struct MeshBase {
-    /// Held for no longer than it takes to read or replace what is in it.
+    /// Current state. The lock is held only to read or replace it.
     state: Mutex<State>,
     faces: Arc<PyOnceLock<Py<PyAny>>>,
 }
 
-/// A mesh with its vertices where they are.
+/// A mesh with its current vertices.
 #[derive(Clone)]
 struct State {
     mesh: Mesh,
-    /// Whether the vertices came in double precision, and are to be shown so.
+    /// Whether the vertices were given in double precision and are returned in it.
     is_double: bool,
-    /// The array of the vertices, once somebody has asked for it.
+    /// Array of the vertices, once it was requested.
     vertices: Arc<PyOnceLock<Py<PyAny>>>,
-    /// Its proxies, once somebody has asked for them; none of an empty mesh.
+    /// Proxies of the mesh, once they were requested. An empty mesh has no proxies.
     proxies: Arc<OnceLock<Option<Proxies>>>,
-    /// The file that it is in as it is, which may have its proxies.
+    /// Baked file that the mesh comes from, which may hold its proxies. Absent after a change.
     baked: Option<Arc<Baked>>,
 }
 
@@ -44,13 +45,13 @@ impl State {
 }
 
 impl MeshBase {
-    /// Of a mesh of the library's.
+    /// Returns the base class for a mesh of the library.
     pub(crate) fn of(mesh: &Mesh) -> Self {
         let is_double = !mesh.is_single_precision();
         Self { state: Mutex::new(State::new(mesh.clone(), is_double)), faces: Arc::new(PyOnceLock::new()) }
     }
 
-    /// The mesh as it is now; what becomes of it later does not reach whoever holds this.
+    /// Returns a snapshot of the current mesh. Later changes do not affect the snapshot.
     fn state(&self) -> State {
         self.state.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -58,8 +59,9 @@ impl MeshBase {
 
 #[pymethods]
 impl MeshBase {
-    /// Of a `Model`, or of arrays as `impinge._arrays` makes them: (n, 3) f32 or f64, and (m, 3) integers. Or of the array and
-    /// a mesh whose faces they are to be; or of a mesh as it is now, which is shared.
+    /// Makes a mesh from a `Model`; from arrays as `impinge._arrays` makes them, (n, 3) f32 or f64
+    /// and (m, 3) integers; from an array of vertices and a mesh whose faces it uses; or from the
+    /// current state of a mesh, which is shared.
     #[new]
     fn new(source: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<Self> {
         let py = source.py();
@@ -96,19 +98,19 @@ impl MeshBase {
         Ok(Self { state: Mutex::new(State::new(mesh, is_double)), faces: Arc::new(PyOnceLock::new()) })
     }
 
-    /// Moves the vertices; whoever asks a question meanwhile is answered about the mesh as it was.
+    /// Moves the vertices. A query that runs at the same time uses the mesh as it was before.
     fn move_vertices(&self, vertices: &Bound<'_, PyAny>) -> PyResult<()> {
         let state = refitted(&self.state().mesh, vertices)?;
         *self.state.lock().unwrap_or_else(PoisonError::into_inner) = state;
         Ok(())
     }
 
-    /// Builds the hierarchy anew; what a move of the vertices meanwhile puts in its place stays.
+    /// Rebuilds the hierarchy. If the vertices are moved at the same time, the move wins.
     fn rebuild(&self, py: Python<'_>, builder: &str) -> PyResult<()> {
         let builder = Builder::named(builder).ok_or_else(|| {
             let names: Vec<&str> = [Builder::Auto].into_iter().chain(Builder::ALL).map(Builder::name).collect();
-            let what = format!("{builder:?} is none of {}", names.join(", "));
-            Fault::new("option", "builder", what).raised(py)
+            let message = format!("must be one of {}, not {builder:?}", names.join(", "));
+            Fault::new("option", "builder", message).raised(py)
         })?;
         let State { mut mesh, vertices, .. } = self.state();
         let mesh = workers::run(py, move |_| {
@@ -122,13 +124,13 @@ impl MeshBase {
         Ok(())
     }
 
-    /// What the hierarchy costs, in parts of what it cost when it was built.
+    /// Returns the cost of the hierarchy relative to its cost when it was built.
     #[getter]
     fn aging(&self) -> f64 {
         self.state().mesh.aging().ratio()
     }
 
-    /// Read-only; made when first asked for.
+    /// Returns the vertices as a read-only array, which is made when it is first requested.
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let State { mesh, is_double, vertices, .. } = self.state();
@@ -144,7 +146,7 @@ impl MeshBase {
         Ok(made.bind(py).clone())
     }
 
-    /// Read-only; made when first asked for.
+    /// Returns the faces as a read-only array, which is made when it is first requested.
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mesh = self.state().mesh;
@@ -171,17 +173,17 @@ impl MeshBase {
         workers::run(py, move |_| mesh.is_closed())
     }
 
-    /// Bytes, beside the arrays that were asked for.
+    /// Returns the number of bytes of the mesh, without the arrays that were requested.
     #[getter]
     fn memory(&self) -> usize {
         self.state().mesh.memory()
     }
 }
 
-/// The mesh with its vertices where an array says, (n, 3) f32 or f64.
+/// Returns the mesh with its vertices moved to the rows of an array, (n, 3) f32 or f64.
 ///
 /// # Errors
-/// `InputError` where there are more or fewer than before, or one is not in range.
+/// `InputError` if the number of vertices differs, or if a vertex is out of range.
 fn refitted(mesh: &Mesh, vertices: &Bound<'_, PyAny>) -> PyResult<State> {
     let positions = read_positions(vertices)?;
     let is_double = matches!(positions, Positions::F64(_));
@@ -193,10 +195,11 @@ fn refitted(mesh: &Mesh, vertices: &Bound<'_, PyAny>) -> PyResult<State> {
     Ok(State::new(moved, is_double))
 }
 
-/// A mesh as it is now and its proxies: those that were baked with it, proved to be its own, or made when first asked for.
+/// Returns the current mesh and its proxies. The proxies come from its baked file, after they are
+/// proved to belong to the mesh, or are made when they are first requested.
 ///
 /// # Errors
-/// `InputError` where it is no mesh, or comes from a file with other proxies than its own.
+/// `InputError` if the value is not a mesh, or if its file holds the proxies of another mesh.
 pub(crate) fn proxies_of(mesh: &Bound<'_, PyAny>) -> PyResult<(Mesh, Option<Proxies>)> {
     let py = mesh.py();
     mesh_of(mesh, "mesh")?;
@@ -215,10 +218,10 @@ pub(crate) fn proxies_of(mesh: &Bound<'_, PyAny>) -> PyResult<(Mesh, Option<Prox
     found.map_err(|error: LoadError| load_error(py, &error))
 }
 
-/// The mesh that an argument is.
+/// Returns the mesh of an argument.
 ///
 /// # Errors
-/// `InputError` where it is something else.
+/// `InputError` if the argument is not an `impinge.Mesh`.
 pub(crate) fn mesh_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Mesh> {
     match value.cast::<MeshBase>() {
         Ok(base) => Ok(base.get().state().mesh),
@@ -230,7 +233,7 @@ pub(crate) fn mesh_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Mesh> {
     }
 }
 
-/// Positions of an array as `impinge._arrays` makes them: (n, 3) f32 or f64.
+/// Returns the positions of an array as `impinge._arrays` makes it, (n, 3) f32 or f64.
 pub(crate) fn read_positions(vertices: &Bound<'_, PyAny>) -> PyResult<Positions> {
     Ok(match vertices.cast::<PyArray2<f32>>() {
         Ok(single) => Positions::F32(triples(&single.readonly())?),
@@ -255,7 +258,8 @@ fn read_faces(faces: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Vec<[u32; 3
     narrowed(&faces.cast::<PyArray2<u64>>()?.readonly(), vertices)
 }
 
-/// Indices of another width; one that 32 bits cannot hold is named here, as the library could not be told of it.
+/// Converts indices of another width. An index that does not fit in 32 bits is reported here,
+/// because the library takes 32-bit indices.
 fn narrowed<T>(faces: &PyReadonlyArray2<'_, T>, vertices: usize) -> PyResult<Vec<[u32; 3]>>
 where
     T: Element + Copy + std::fmt::Display + TryInto<u32>,

@@ -1,4 +1,4 @@
-//! What a file holds, before a mesh is made of it; and meshes baked to files.
+//! Contents of a mesh file before a mesh is made, and meshes baked to files.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -16,10 +16,10 @@ use crate::errors::{Fault, file_error, load_error};
 use crate::mesh::{mesh_of, proxies_of};
 use crate::workers;
 
-/// The magnitudes of coordinates are below this: 2^128.
+/// Coordinates must be below this magnitude, 2^128.
 const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 
-/// The triangles of a file, and where they came from.
+/// Triangles of a file, and where they come from.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct Model {
     content: Content,
@@ -28,16 +28,16 @@ pub(crate) struct Model {
     warnings: Vec<Warning>,
 }
 
-/// What a mesh is made of.
+/// Contents that a mesh is made from.
 pub(crate) enum Content {
     Triangles(Positions, Vec<[u32; 3]>),
-    /// A mesh whose hierarchy lies in the file, and the file, for what else is in it.
+    /// A mesh with its hierarchy in a baked file, and the file for its other sections.
     Baked(Mesh, Arc<Baked>),
 }
 
 #[pymethods]
 impl Model {
-    /// Reads a file; `unit` is the one that the vertices are wanted in.
+    /// Reads a file and converts the vertices to `unit`, if it is given.
     #[new]
     fn new(py: Python<'_>, path: PathBuf, unit: Option<&str>) -> PyResult<Self> {
         let wanted = unit
@@ -54,7 +54,7 @@ impl Model {
         }
     }
 
-    /// Of a copy of what `to_baked` returned, in any object with a buffer of bytes.
+    /// Opens a copy of the bytes that `to_baked` returned, from any object with a buffer of bytes.
     #[staticmethod]
     fn of_baked(py: Python<'_>, baked: &Bound<'_, PyAny>) -> PyResult<Self> {
         let buffer = PyBuffer::<u8>::get(baked)?;
@@ -83,7 +83,7 @@ impl Model {
         self.about.parts.clone()
     }
 
-    /// (n, 3), in the file's precision.
+    /// Returns the vertices, (n, 3), in the precision of the file.
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let positions = match &self.content {
@@ -96,7 +96,7 @@ impl Model {
         }
     }
 
-    /// (m, 3).
+    /// Returns the faces, (m, 3).
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let faces = match &self.content {
@@ -123,11 +123,12 @@ impl Model {
 }
 
 impl Model {
-    /// A baked file is opened where it lies, unless its lengths have to be converted.
+    /// Reads a file. A baked file is mapped in place, unless its unit must be converted.
     fn read(path: &Path, wanted: Option<Unit>) -> Result<Self, LoadError> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
-        // What is baked by its name alone is told apart, and warned of, by the reader of all formats. A name that says nothing
-        // may be that of shared memory.
+        // Only files with the extension of baked files, or without a known extension, are tried
+        // here. If such a file is not baked, the reader of all formats reports it. A name without
+        // an extension may be that of shared memory.
         if Format::from_extension(&extension).is_none_or(|format| format == Format::Baked)
             && let Ok(baked) = Baked::open(path)
         {
@@ -147,7 +148,7 @@ impl Model {
         Ok(Self { content: Content::Triangles(positions, faces), about, format, warnings })
     }
 
-    /// The first vertex that a mesh cannot have.
+    /// Returns the first vertex that is out of range for a mesh.
     fn first_out_of_range(&self) -> Option<usize> {
         let Content::Triangles(Positions::F64(rows), _) = &self.content else { return None };
         rows.iter().position(|row| row.iter().any(|x| x.abs() >= LIMIT))
@@ -158,16 +159,16 @@ impl Model {
     }
 }
 
-/// Where faces come from, as Python has it: polygons and parts, (m,), names and unit.
+/// Origin of the faces in Python: polygons and parts, (m,), names of the parts, and the unit.
 type About = (Vec<u32>, Vec<u32>, Vec<String>, Option<String>);
 
-/// Writes a mesh with its hierarchy, where its faces come from, and its proxies where they are wanted, to a file.
+/// Writes a mesh with its hierarchy, the origin of its faces, and optionally its proxies to a file.
 #[pyfunction]
 pub(crate) fn bake(mesh: &Bound<'_, PyAny>, path: PathBuf, about: About, with_proxies: bool) -> PyResult<()> {
     write(mesh, about, with_proxies, move |content| replace_file(path, content))
 }
 
-/// The bytes that [`bake`] writes.
+/// Returns the bytes that [`bake`] writes.
 #[pyfunction]
 pub(crate) fn to_baked<'py>(
     mesh: &Bound<'py, PyAny>,
@@ -182,7 +183,7 @@ pub(crate) fn to_baked<'py>(
     Ok(PyBytes::new(mesh.py(), &written))
 }
 
-/// What writes the bytes of a baked file.
+/// Function that writes the bytes of a baked file.
 type Writing = Box<dyn FnOnce(&mut dyn Write) -> io::Result<()>>;
 
 fn write<T: Send + 'static>(
@@ -200,11 +201,11 @@ fn write<T: Send + 'static>(
     Ok(written?)
 }
 
-/// The same lengths in another unit, each coordinate rounded once where one of the units is a whole number of the other,
-/// else twice.
+/// Returns the same lengths in another unit. Each coordinate is rounded once if one unit is a whole
+/// multiple of the other, and twice otherwise.
 fn converted(positions: Positions, from: Unit, to: Unit) -> Positions {
-    // Whole numbers of micrometres.
-    let [from, to] = [from, to].map(|unit| (unit.metres() * 1e6).round());
+    // Whole numbers of micrometers.
+    let [from, to] = [from, to].map(|unit| (unit.meters() * 1e6).round());
     if from == to {
         return positions;
     }

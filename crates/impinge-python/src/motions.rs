@@ -1,4 +1,4 @@
-//! Motions of bodies, and when they first touch.
+//! Motions of bodies, and when the bodies first touch.
 
 use impinge::query::batch::{Broadcast, Execution, Stopped};
 use impinge::sweep::{self, Impact, Motion, times_of_impact};
@@ -10,28 +10,28 @@ use crate::errors::{Fault, kind_and_place, message};
 use crate::points::Points;
 use crate::poses;
 use crate::question::{Progress, SolidOption};
-use crate::shapes::weighed;
+use crate::shapes::read_shape;
 use crate::workers::{self, Call};
 
-/// The magnitude that poses allow a translation: 2 to this.
+/// Exponent of the magnitude below which numbers of a pose must be, 2^300.
 const EXPONENT: i32 = 300;
 
-/// The most motions of single features that the caller's own thread takes.
-const MOST_BRIEF_FEATURES: usize = 256;
+/// Maximum number of motions of single features that run on the caller's thread.
+const MAX_FEATURES_ON_CALLER: usize = 256;
 
-/// What `impinge.Motion` inherits: motions, judged, with their leading axes.
+/// Base class of `impinge.Motion`: validated motions with their leading axes.
 #[pyclass(subclass, frozen, module = "impinge._impinge")]
 pub(crate) struct MotionBase {
     shape: Vec<usize>,
     motions: Vec<Motion>,
 }
 
-/// Linear and angular velocity, and the pivot or `None`.
+/// Linear velocity, angular velocity, and the pivot or `None`.
 type Screw<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 #[pymethods]
 impl MotionBase {
-    /// To another pose, or by a screw; all arrays have the same leading axes.
+    /// Makes motions to another pose or by a screw. All arrays have the same leading axes.
     #[new]
     fn new(pose_t0: &Bound<'_, PyAny>, pose_t1: &Bound<'_, PyAny>, screw: Option<Screw<'_>>) -> PyResult<Self> {
         let (shape, from) = poses::read_all(pose_t0, "pose_t0")?;
@@ -69,14 +69,14 @@ impl MotionBase {
         self.shape.clone()
     }
 
-    /// (..., 4, 4) poses at one time.
+    /// Returns the poses at one time, (..., 4, 4).
     fn poses_at<'py>(&self, py: Python<'py>, t: f64) -> PyResult<Bound<'py, PyAny>> {
         let matrices = self.motions.iter().flat_map(|motion| matrix(&motion.at(t))).collect();
         array(py, matrices, &[&self.shape[..], &[4, 4]].concat())
     }
 }
 
-/// The rows of a pose's matrix, one after another.
+/// Returns the rows of a pose's matrix, one after another.
 pub(crate) fn matrix(pose: &Pose) -> [f64; 16] {
     let mut numbers = [0.0; 16];
     for row in 0..3 {
@@ -87,7 +87,7 @@ pub(crate) fn matrix(pose: &Pose) -> [f64; 16] {
     numbers
 }
 
-/// The motions of an argument; a body that rests at the origin for `None`.
+/// Returns the motions of an argument. `None` is a body at rest with the identity as its pose.
 pub(crate) fn motions_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<usize>, Vec<Motion>)> {
     if value.is_none() {
         return Ok((Vec::new(), vec![Motion::default()]));
@@ -102,21 +102,22 @@ pub(crate) fn motions_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<
     }
 }
 
-/// The things a and b, their motions, which of them is solid if it is a mesh, and whether to show how far the call is.
+/// Arguments: the things a and b, their motions, which of them is solid if it is a mesh, and
+/// whether to show the progress.
 type Moving<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, SolidOption, Progress);
 
-/// The two bounds of the time, in two arrays.
+/// Returns the lower and the upper bound of each time of impact, as two arrays.
 #[pyfunction]
 pub(crate) fn time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) -> PyResult<Bound<'py, PyAny>> {
     let (a, b, motion_a, motion_b, SolidOption(is_solid), Progress(progress)) = moving;
-    let (a, b) = (weighed(&a, "a", is_solid[0])?.shape, weighed(&b, "b", is_solid[1])?.shape);
+    let (a, b) = (read_shape(&a, "a", is_solid[0])?.shape, read_shape(&b, "b", is_solid[1])?.shape);
     let (shape_a, motions_a) = motions_of(&motion_a, "motion_a")?;
     let (shape_b, motions_b) = motions_of(&motion_b, "motion_b")?;
     let broadcast = poses::broadcast(py, (&shape_a, "motion_a"), (&shape_b, "motion_b"))?;
-    // Only where a motion starts may a round shape refuse its pose: it goes on rigidly.
+    // Only the first pose of a motion can be invalid for a round shape: the motion itself is rigid.
     for (shape, motions, lead, name) in [(&a, &motions_a, &shape_a, "motion_a"), (&b, &motions_b, &shape_b, "motion_b")]
     {
-        // A mesh stands any motion.
+        // A mesh accepts any motion.
         let refusing = if shape.as_mesh().is_none() { motions.as_slice() } else { &[] };
         for (row, motion) in refusing.iter().enumerate() {
             shape.at(motion.at(0.0)).map_err(|error| {
@@ -135,22 +136,24 @@ pub(crate) fn time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) -> PyRes
     bounds(py, &impacts, &shape)
 }
 
-/// What nothing was proved about.
+/// Time of impact about which nothing is proved.
 const SAFE: Impact = Impact { t_lower: 0.0, t_upper: f64::INFINITY };
 
-/// The two bounds of each time, in two arrays.
+/// Returns the lower and the upper bound of each time, as two arrays.
 pub(crate) fn bounds<'py>(py: Python<'py>, impacts: &[Impact], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let of = |bound: fn(&Impact) -> f64| array(py, impacts.iter().map(bound).collect(), shape);
     Ok((of(|impact| impact.t_lower)?, of(|impact| impact.t_upper)?).into_pyobject(py)?.into_any())
 }
 
-/// A vertex and a face, (..., 4, 3) corners at both ends of a linear motion: the two bounds of the time.
+/// Returns the two bounds of the time at which a vertex and a face first touch. Arguments are their
+/// four corners at both ends of a linear motion, (..., 4, 3).
 #[pyfunction]
 pub(crate) fn vertex_face<'py>(t0: &Bound<'py, PyAny>, t1: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     features(t0, t1, sweep::vertex_face)
 }
 
-/// Two edges, likewise.
+/// Returns the two bounds of the time at which two edges first touch. Arguments are their four ends
+/// at both ends of a linear motion, (..., 4, 3).
 #[pyfunction]
 pub(crate) fn edge_edge<'py>(t0: &Bound<'py, PyAny>, t1: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     features(t0, t1, sweep::edge_edge)
@@ -169,18 +172,18 @@ fn features<'py>(
     let broadcast = poses::broadcast(py, (&shape_t0, "t0"), (&shape_t1, "t1"))?;
     let shape = broadcast.shape().to_vec();
     let rows = broadcast.rows();
-    let call = Call { rows, is_brief: rows <= MOST_BRIEF_FEATURES, progress: false };
+    let call = Call { rows, is_brief: rows <= MAX_FEATURES_ON_CALLER, progress: false };
     let impacts = workers::rows(py, call, move |row| {
         let [at_t0, at_t1] = broadcast.sources(row);
-        // Judged when they were read.
+        // The corners were validated when they were read.
         ask(&corners_t0[at_t0], &corners_t1[at_t1]).unwrap_or(SAFE)
     })?;
     bounds(py, &impacts, &shape)
 }
 
-/// Rows of four corners with their leading axes.
+/// Returns rows of four corners with their leading axes.
 fn corners(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<usize>, Vec<Corners>)> {
-    /// The magnitude below which the proofs hold: 2 to this.
+    /// Exponent of the magnitude below which the proofs hold, 2^128.
     const EXPONENT: i32 = 128;
     let Points { mut shape, rows } = Points::read(value, name, EXPONENT)?;
     if shape.pop() != Some(4) {

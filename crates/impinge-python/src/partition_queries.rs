@@ -1,8 +1,8 @@
-//! What is where in a partition: for boxes, points and rays, and all pairs.
+//! Queries of a partition by boxes, points and rays, and all pairs of boxes.
 
 use std::ops::ControlFlow;
 
-use impinge::partition::{Neighbour, Partition, Ray, RayVisit};
+use impinge::partition::{Neighbor, Partition, Ray, RayVisit};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, ragged, row_array};
@@ -13,17 +13,19 @@ use crate::points::Points;
 use crate::rays::Rays;
 use crate::workers::{self, Call};
 
-/// The most questions for which a call keeps to the caller's thread: a fraction of a millisecond.
-const MOST_BRIEF: usize = 64;
+/// Maximum number of rows of a call that runs on the caller's thread. It takes a fraction of a
+/// millisecond.
+const MAX_QUERIES_ON_CALLER: usize = 64;
 
-/// A box that a ray enters.
+/// Box that a ray enters, and the ray's parameter there.
 #[derive(Clone, Copy)]
 struct Entry {
     t: f64,
     key: u32,
 }
 
-/// Offsets of the keys for each box or point, (n + 1,), keys, (k,), ascending for each, and the leading axes.
+/// Returns for each box or point the boxes that overlap it: offsets of the rows, (n + 1,), keys,
+/// (k,), ascending in each row, and the leading axes.
 #[pyfunction]
 pub(crate) fn partition_overlapping<'py>(
     partition: &Bound<'py, PartitionCore>,
@@ -46,7 +48,8 @@ pub(crate) fn partition_overlapping<'py>(
     Ok((array(py, offsets, &[places])?, array(py, keys, &[count])?, shape).into_pyobject(py)?.into_any())
 }
 
-/// Where each ray enters the first box, (...), infinite where there is none, and its key, (...), -1 there.
+/// Returns the parameter at which each ray enters its first box, (...), and the key of the box,
+/// (...). A ray that enters no box has infinity and -1.
 #[pyfunction]
 pub(crate) fn partition_ray_cast<'py>(
     partition: &Bound<'py, PartitionCore>,
@@ -71,7 +74,8 @@ pub(crate) fn partition_ray_cast<'py>(
     Ok((array(py, t, &shape)?, array(py, key, &shape)?).into_pyobject(py)?.into_any())
 }
 
-/// Offsets of what each ray enters, (n + 1,), where, (k,), the keys, (k,), and the leading axes.
+/// Returns all boxes that each ray enters: offsets of the rows, (n + 1,), parameters, (k,), keys,
+/// (k,), and the leading axes.
 #[pyfunction]
 pub(crate) fn partition_ray_cast_all<'py>(
     partition: &Bound<'py, PartitionCore>,
@@ -97,8 +101,9 @@ pub(crate) fn partition_ray_cast_all<'py>(
     Ok((array(py, offsets, &[places])?, t, key, shape).into_pyobject(py)?.into_any())
 }
 
-/// The keys of the boxes nearest to points, (..., count), by distance and then by key, and the distances, (..., count): -1 and
-/// infinite where there are not so many.
+/// Returns the keys of the `count` boxes nearest to each point, (..., count), by distance and then
+/// by key, and their distances, (..., count). Missing boxes have the key -1 and an infinite
+/// distance.
 #[pyfunction]
 pub(crate) fn partition_nearest<'py>(
     partition: &Bound<'py, PartitionCore>,
@@ -109,12 +114,13 @@ pub(crate) fn partition_nearest<'py>(
     let Points { shape, rows } = Points::read(points, "points", EXPONENT)?;
     let found = ask(partition, rows.len(), move |partition, row| partition.nearest(rows[row], count))?;
     let places = found.len().saturating_mul(count);
-    let refused = || Fault::new("too-many", "count", format!("no memory for {count} boxes a point")).raised(py);
+    let refused =
+        || Fault::new("too-many", "count", format!("not enough memory for {count} boxes for each point")).raised(py);
     let (mut keys, mut distances) = (Vec::new(), Vec::new());
     keys.try_reserve_exact(places).map_err(|_| refused())?;
     distances.try_reserve_exact(places).map_err(|_| refused())?;
     for (at, near) in found.iter().enumerate() {
-        keys.extend(near.iter().map(|near: &Neighbour| i64::from(near.key)));
+        keys.extend(near.iter().map(|near: &Neighbor| i64::from(near.key)));
         distances.extend(near.iter().map(|near| near.distance_squared.sqrt()));
         keys.resize((at + 1) * count, -1);
         distances.resize((at + 1) * count, f64::INFINITY);
@@ -123,7 +129,7 @@ pub(crate) fn partition_nearest<'py>(
     Ok((array(py, keys, &shape)?, array(py, distances, &shape)?).into_pyobject(py)?.into_any())
 }
 
-/// All pairs of boxes that meet, (k, 2).
+/// Returns all pairs of boxes that overlap, (k, 2).
 #[pyfunction]
 pub(crate) fn partition_pairs<'py>(partition: &Bound<'py, PartitionCore>) -> PyResult<Bound<'py, PyAny>> {
     let (py, snapshot) = (partition.py(), partition.get().snapshot(partition.py()));
@@ -132,7 +138,7 @@ pub(crate) fn partition_pairs<'py>(partition: &Bound<'py, PartitionCore>) -> PyR
     row_array(py, pairs, &[count])
 }
 
-/// All pairs of a box of one partition and one of the other that meet, (k, 2).
+/// Returns all pairs of a box of one partition and a box of the other that overlap, (k, 2).
 #[pyfunction]
 pub(crate) fn partition_pairs_with<'py>(
     partition: &Bound<'py, PartitionCore>,
@@ -145,14 +151,14 @@ pub(crate) fn partition_pairs_with<'py>(
     row_array(py, pairs, &[count])
 }
 
-/// What `ask` answers for each of so many rows, from one snapshot.
+/// Returns the results of `ask` for `count` rows, from one snapshot.
 fn ask<T: Send + 'static>(
     partition: &Bound<'_, PartitionCore>,
     count: usize,
     ask: impl Fn(&dyn Partition, usize) -> T + Send + Sync + 'static,
 ) -> PyResult<Vec<T>> {
     let (py, snapshot) = (partition.py(), partition.get().snapshot(partition.py()));
-    let call = Call { rows: count, is_brief: count <= MOST_BRIEF, progress: false };
+    let call = Call { rows: count, is_brief: count <= MAX_QUERIES_ON_CALLER, progress: false };
     workers::rows(py, call, move |row| ask(snapshot.get(), row))
 }
 
@@ -166,9 +172,9 @@ fn cast<T: Send + 'static>(
     let py = partition.py();
     if reach.is_nan() || reach < 0.0 {
         let kind = if reach.is_nan() { "non-finite" } else { "negative" };
-        return Err(Fault::new(kind, "reach", format!("{reach} is not at least zero")).raised(py));
+        return Err(Fault::new(kind, "reach", format!("must be at least zero, not {reach}")).raised(py));
     }
     let (rays, snapshot): (Rays, Snapshot) = (Rays::read(origins, directions)?, partition.get().snapshot(py));
-    let brief = rays.len() <= MOST_BRIEF;
+    let brief = rays.len() <= MAX_QUERIES_ON_CALLER;
     rays.ask_each(py, brief, move |origin, direction| Ok(ask(snapshot.get(), &Ray::new(origin, direction, reach)?)))
 }

@@ -1,7 +1,8 @@
-//! Partitions of space as Python holds them: boxes by keys that the caller chooses, put in, moved and taken away.
+//! Partitions of space in Python: boxes under keys that the caller chooses, which are inserted,
+//! moved and removed.
 //!
-//! Questions are answered from a snapshot: a call that changes a partition while another one asks makes a copy, so that neither
-//! waits for the other.
+//! Queries use a snapshot. A call that changes a partition while a query runs makes a copy, so that
+//! neither waits for the other.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -19,26 +20,27 @@ use crate::boxes::Boxes;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::workers;
 
-/// Magnitudes of boxes stay below 2 to this.
+/// Exponent of the magnitude below which coordinates of boxes must be, 2^320.
 pub(crate) const EXPONENT: i32 = 320;
 
-/// Keys below this are taken however few boxes there are; so many take 48 MiB.
-const ALWAYS_TAKEN: usize = 1 << 20;
+/// Keys below this are accepted for any number of boxes. Memory for this number of keys takes 48
+/// MiB.
+const ALWAYS_ACCEPTED_KEYS: usize = 1 << 20;
 
-/// How many keys there may be for each box, beyond that.
-const SPARSEST: usize = 16;
+/// Maximum number of keys for each box, if keys exceed [`ALWAYS_ACCEPTED_KEYS`].
+const MAX_KEYS_PER_BOX: usize = 16;
 
-/// Keys, one a row, in an array of u32.
+/// Keys, one in each row of an array of u32.
 type Keys<'py> = Bound<'py, PyArray1<u32>>;
 
-/// What a partition of `impinge.partition` holds.
+/// Contents of a partition of `impinge.partition`.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct PartitionCore(Mutex<Arc<Held>>);
 
 #[derive(Clone)]
 struct Held {
     kind: Kind,
-    /// Above all keys that were ever used.
+    /// Number that is larger than all keys that were ever used.
     reach: usize,
 }
 
@@ -57,8 +59,9 @@ enum Kind {
 }
 
 impl Kind {
-    /// The partition that `name` names with these boxes in it, whose keys are their places. `size` is the edge of a cell or the
-    /// margin of a leaf, `space` what cells are laid over, where they are.
+    /// Returns the partition called `name` with boxes whose keys are their indices. `size` is the
+    /// edge of a cell or the margin of a leaf. `space` is the box that cells cover, for partitions
+    /// that need it.
     fn made(name: &str, boxes: &[MinMax], size: f64, space: Option<&MinMax>) -> Result<Self, InputError> {
         let mut made = match (name, space) {
             ("kd_tree", _) => return Ok(Self::KdTree(KdTree::build(boxes))),
@@ -75,7 +78,7 @@ impl Kind {
             _ if size > 0.0 => Self::BoxTree(BoxTree::with_margin(size)),
             _ => return Ok(Self::BoxTree(BoxTree::build(boxes))),
         };
-        if let Some(partition) = made.moved() {
+        if let Some(partition) = made.as_dynamic() {
             for (key, bounds) in boxes.iter().enumerate() {
                 partition.insert(key as u32, *bounds);
             }
@@ -83,7 +86,7 @@ impl Kind {
         Ok(made)
     }
 
-    fn asked(&self) -> &dyn Partition {
+    fn as_partition(&self) -> &dyn Partition {
         match self {
             Self::BoxTree(partition) => partition,
             Self::UniformGrid(partition) => partition,
@@ -98,8 +101,8 @@ impl Kind {
         }
     }
 
-    /// None for those whose boxes stay.
-    fn moved(&mut self) -> Option<&mut dyn Dynamic> {
+    /// Returns the partition as one whose boxes can move, or `None` if its boxes are fixed.
+    fn as_dynamic(&mut self) -> Option<&mut dyn Dynamic> {
         Some(match self {
             Self::BoxTree(partition) => partition,
             Self::UniformGrid(partition) => partition,
@@ -114,25 +117,25 @@ impl Kind {
     }
 }
 
-/// A partition as it was when it was asked.
+/// A partition as it was when the query began.
 #[derive(Clone)]
 pub(crate) struct Snapshot(Arc<Held>);
 
 impl Snapshot {
     pub(crate) fn get(&self) -> &dyn Partition {
-        self.0.kind.asked()
+        self.0.kind.as_partition()
     }
 
     pub(crate) fn pairs_with(&self, other: &Self) -> Vec<[u32; 2]> {
         match (&self.0.kind, &other.0.kind) {
             (Kind::BoxTree(own), Kind::BoxTree(other)) => own.pairs_with_tree(other),
-            (own, other) => own.asked().pairs_with(other.asked()),
+            (own, other) => own.as_partition().pairs_with(other.as_partition()),
         }
     }
 }
 
 impl PartitionCore {
-    /// Waits for calls that change the partition, without the interpreter.
+    /// Waits for calls that change the partition, detached from the interpreter.
     pub(crate) fn snapshot(&self, py: Python<'_>) -> Snapshot {
         Snapshot(py.detach(|| self.lock().clone()))
     }
@@ -141,23 +144,23 @@ impl PartitionCore {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Makes the moves of boxes to their places, and of others away, on the caller's thread.
+    /// Moves some boxes and removes others, on the caller's thread.
     ///
     /// # Errors
-    /// `InputError` for a key that is too large for so few boxes, or where one is taken away that is not there; nothing was
-    /// moved then.
+    /// `InputError` if a key is too large for the number of boxes, or if a key to remove has no
+    /// box. In both cases nothing changes.
     fn make(&self, py: Python<'_>, keys: &[u32], boxes: &[MinMax], gone: &[u32]) -> PyResult<Changes> {
         let made = py.detach(|| {
             let mut held = self.lock();
-            let len = held.kind.asked().len();
-            let limit = ALWAYS_TAKEN.max(SPARSEST * (len + keys.len())).max(held.reach);
+            let len = held.kind.as_partition().len();
+            let limit = ALWAYS_ACCEPTED_KEYS.max(MAX_KEYS_PER_BOX * (len + keys.len())).max(held.reach);
             if let Some(row) = keys.iter().position(|&key| key as usize >= limit) {
                 let message =
-                    format!("key {} is too large for so few boxes: memory grows with the greatest", keys[row]);
+                    format!("key {} is too large for the number of boxes: memory grows with the keys", keys[row]);
                 let hint = "number the boxes from 0 on";
                 return Err(Fault::new("out-of-range", "keys", message).at(vec![row]).hint(Some(hint)));
             }
-            if let Some(row) = gone.iter().position(|&key| held.kind.asked().get(key).is_none()) {
+            if let Some(row) = gone.iter().position(|&key| held.kind.as_partition().get(key).is_none()) {
                 return Err(unknown("removed", row, gone[row]));
             }
             let held = Arc::make_mut(&mut held);
@@ -165,7 +168,7 @@ impl PartitionCore {
             let comes = keys.iter().zip(boxes).map(|(&key, bounds)| Move { key, to: Some(*bounds) });
             let goes = gone.iter().map(|&key| Move { key, to: None });
             let mut changes = Changes::default();
-            if let Some(partition) = held.kind.moved() {
+            if let Some(partition) = held.kind.as_dynamic() {
                 partition.step(&comes.chain(goes).collect::<Vec<_>>(), &mut changes);
             }
             Ok(changes)
@@ -175,13 +178,13 @@ impl PartitionCore {
 }
 
 fn unknown(argument: &str, row: usize, key: u32) -> Fault {
-    Fault::new("unknown-key", argument, format!("there is no box of key {key}")).at(vec![row])
+    Fault::new("unknown-key", argument, format!("there is no box with the key {key}")).at(vec![row])
 }
 
 #[pymethods]
 impl PartitionCore {
-    /// Boxes with the keys 0, 1, ... in a partition of the kind that `name` names; see `Kind::made`. Keys below `reach` were used
-    /// before.
+    /// Makes a partition of the kind called `name`, of boxes with the keys 0, 1, ...; see
+    /// `Kind::made`. Keys below `reach` were used before.
     #[new]
     fn new<'py>(
         name: &str,
@@ -204,7 +207,7 @@ impl PartitionCore {
         Ok(Self(Mutex::new(Arc::new(Held { kind, reach }))))
     }
 
-    /// Another partition with the same boxes, which do not move with these.
+    /// Returns another partition with the same boxes, which do not move with the boxes of this one.
     fn copy(&self, py: Python<'_>) -> Self {
         Self(Mutex::new(self.snapshot(py).0))
     }
@@ -222,18 +225,18 @@ impl PartitionCore {
         }
     }
 
-    /// Above all keys that were ever used.
+    /// Returns a number that is larger than all keys that were ever used.
     fn reach(&self, py: Python<'_>) -> usize {
         self.snapshot(py).0.reach
     }
 
-    /// (2, 3) corners of a box about all, or nothing.
+    /// Returns the corners of a box around all boxes, (2, 3), or `None` if there are no boxes.
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let bounds = self.snapshot(py).get().bounds();
         bounds.map(|bounds| array(py, Boxes::corners(&[bounds]), &[2, 3])).transpose()
     }
 
-    /// (n,) keys, ascending.
+    /// Returns the keys, (n,), in ascending order.
     fn keys<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mut keys = Vec::new();
         self.snapshot(py).get().each(&mut |key, _| keys.push(key));
@@ -241,7 +244,7 @@ impl PartitionCore {
         array(py, keys, &[count])
     }
 
-    /// (n, 2, 3) corners of boxes.
+    /// Returns the corners of boxes, (n, 2, 3).
     fn boxes<'py>(&self, keys: &Keys<'py>) -> PyResult<Bound<'py, PyAny>> {
         let (py, keys) = (keys.py(), keys.readonly().as_slice()?.to_vec());
         let snapshot = self.snapshot(py);
@@ -253,7 +256,8 @@ impl PartitionCore {
         array(py, Boxes::corners(&found), &[found.len(), 2, 3])
     }
 
-    /// Puts boxes under keys, takes others away, and says which pairs began, (k, 2), and ended, (k, 2).
+    /// Inserts or moves boxes, removes others, and returns the pairs that began, (k, 2), and ended,
+    /// (k, 2).
     fn step<'py>(
         &self,
         keys: &Keys<'py>,
@@ -265,7 +269,7 @@ impl PartitionCore {
         let (keys, gone) = (keys.readonly().as_slice()?.to_vec(), gone.readonly().as_slice()?.to_vec());
         let boxes = Boxes::read(low, high, EXPONENT)?.rows;
         if boxes.len() != keys.len() {
-            let message = format!("{} boxes, where there are {} keys", boxes.len(), keys.len());
+            let message = format!("{} boxes for {} keys: each key needs one box", boxes.len(), keys.len());
             return Err(Fault::new("shape", "low", message).raised(py));
         }
         let changes = self.make(py, &keys, &boxes, &gone)?;
@@ -275,7 +279,7 @@ impl PartitionCore {
     }
 }
 
-/// All pairs of boxes that meet, (k, 2), by a sweep of columns.
+/// Returns all pairs of boxes that overlap, (k, 2), found by a sweep of columns.
 #[pyfunction]
 pub(crate) fn box_pairs<'py>(low: &Bound<'py, PyAny>, high: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
     let (py, boxes) = (low.py(), Boxes::read(low, high, EXPONENT)?.rows);

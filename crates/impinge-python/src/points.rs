@@ -1,4 +1,4 @@
-//! Where points are to one mesh, in its own frame.
+//! Queries of points against one mesh, in the mesh frame.
 
 use impinge::mesh::{ClosestPoint, Containment};
 use impinge::query::batch::Broadcast;
@@ -12,28 +12,30 @@ use crate::errors::Fault;
 use crate::mesh::mesh_of;
 use crate::workers::{self, Call};
 
+/// Arrays of points.
 const PLAIN: Plain = Plain { core: &[3], reader: "plain_points" };
 
-/// Points that a thread takes at a time.
+/// Number of points that a thread takes at a time.
 const BLOCK: usize = 256;
 
-/// The most points times faces for which a call may keep to the caller's thread: a millisecond or so, or a tenth of a second
-/// where something about the mesh is to be found out first.
-pub(crate) const MOST_BRIEF_WORK: u128 = 1 << 20;
+/// Maximum number of points times faces of a call that runs on the caller's thread. It takes about
+/// a millisecond, or 100 milliseconds if values derived from the mesh must be computed first.
+pub(crate) const MAX_WORK_ON_CALLER: u128 = 1 << 20;
 
 /// Rows of three numbers with their leading axes.
 pub(crate) struct Points {
-    /// The leading axes; none for a single point.
+    /// Leading axes. Empty for a single point.
     pub(crate) shape: Vec<usize>,
-    /// In row-major order.
+    /// Points in row-major order.
     pub(crate) rows: Vec<[f64; 3]>,
 }
 
 impl Points {
-    /// Reads an array or nested sequences.
+    /// Reads points from an array or nested sequences.
     ///
     /// # Errors
-    /// `InputError` where it is no array of points, or a coordinate is not finite or not below 2 to the `exponent`.
+    /// `InputError` if the value is not an array of points, or if a coordinate is not finite or not
+    /// below 2^`exponent`.
     pub(crate) fn read(value: &Bound<'_, PyAny>, name: &str, exponent: i32) -> PyResult<Self> {
         let plain = PLAIN.read(value, name)?;
         let shape = plain.shape()[..plain.shape().len() - 1].to_vec();
@@ -50,10 +52,11 @@ impl Points {
         Ok(Self { shape, rows })
     }
 
-    /// What `ask` answers about them, a block of points at a time, and the leading axes.
+    /// Returns the results of `ask` for all points, and the leading axes. `ask` gets a block of
+    /// points.
     ///
     /// # Errors
-    /// Where the wait is interrupted, or memory is short.
+    /// The exception of a signal that ends the wait, or `MemoryError`.
     fn ask<T: Send + 'static>(
         self,
         mesh: &Bound<'_, PyAny>,
@@ -61,7 +64,7 @@ impl Points {
     ) -> PyResult<(Vec<T>, Vec<usize>)> {
         let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
         let Self { shape, rows: points } = self;
-        let brief = points.len() as u128 * mesh.faces().len() as u128 <= MOST_BRIEF_WORK;
+        let brief = points.len() as u128 * mesh.faces().len() as u128 <= MAX_WORK_ON_CALLER;
         let call = Call { rows: points.len().div_ceil(BLOCK), is_brief: brief, progress: false };
         let block = move |at: usize| ask(&mesh, &points[at * BLOCK..points.len().min((at + 1) * BLOCK)]);
         let mut answers = Vec::new();
@@ -72,8 +75,8 @@ impl Points {
     }
 }
 
-/// Points, (..., 3), lower and upper bound of the distance, (...), and faces, (...), which are -1, and the points zero,
-/// where the mesh is empty.
+/// Returns the nearest points, (..., 3), lower and upper bound of the distance, (...), and faces,
+/// (...). If the mesh is empty, faces are -1, points zero and bounds infinite.
 #[pyfunction]
 pub(crate) fn closest_point<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let py = mesh.py();
@@ -92,7 +95,7 @@ pub(crate) fn closest_point<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, P
     Ok(columns.into_pyobject(py)?.into_any())
 }
 
-/// (...) distances, negative inside.
+/// Returns the distances, (...), which are negative inside.
 #[pyfunction]
 pub(crate) fn signed_distance<'py>(
     mesh: &Bound<'py, PyAny>,
@@ -111,14 +114,14 @@ pub(crate) fn signed_distance<'py>(
     array(mesh.py(), signed, &shape)
 }
 
-/// (...) numbers.
+/// Returns the winding numbers, (...).
 #[pyfunction]
 pub(crate) fn winding_number<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let (numbers, shape) = Points::read(points, "points", 128)?.ask(mesh, Mesh::winding_number)?;
     array(mesh.py(), numbers.iter().map(|number| number.value).collect(), &shape)
 }
 
-/// (...) booleans.
+/// Returns whether the mesh contains each point, as booleans of shape (...).
 #[pyfunction]
 pub(crate) fn contains<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let (found, shape) = Points::read(points, "points", 128)?.ask(mesh, Mesh::contains)?;

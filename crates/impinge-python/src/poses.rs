@@ -1,4 +1,4 @@
-//! Arrays of poses, (..., 4, 4), and leading axes that broadcast.
+//! Arrays of poses, (..., 4, 4), and the broadcasting of leading axes.
 
 use impinge::query::batch::{Broadcast, Poses};
 use impinge::{InputError, Pose};
@@ -8,12 +8,14 @@ use pyo3::prelude::*;
 use crate::arrays::Plain;
 use crate::errors::{Fault, kind_and_place, message};
 
+/// Arrays of matrices.
 const PLAIN: Plain = Plain { core: &[4, 4], reader: "plain_poses" };
 
-/// Reads poses from `None`, an array or nested sequences. Matrices that are no poses become faulty rows.
+/// Reads poses from `None`, an array or nested sequences. A matrix that is not a valid pose becomes
+/// a row with an error.
 ///
 /// # Errors
-/// `InputError` if it is no array of matrices.
+/// `InputError` if the value is not an array of matrices.
 pub(crate) fn read(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Poses> {
     if value.is_none() {
         return Ok(Poses::default());
@@ -25,10 +27,10 @@ pub(crate) fn read(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Poses> {
     Poses::from_matrices(lead, matrices).map_err(|error| fault(&error, name, Vec::new()).raised(value.py()))
 }
 
-/// Reads poses, each of which has to be one, and their leading axes.
+/// Reads poses that must all be valid, and their leading axes.
 ///
 /// # Errors
-/// As [`read`], and if a matrix is no pose.
+/// As for [`read`], and if a pose is invalid.
 pub(crate) fn read_all(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<usize>, Vec<Pose>)> {
     let poses = read(value, name)?;
     raise_first_fault(value.py(), &poses, name)?;
@@ -38,7 +40,7 @@ pub(crate) fn read_all(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<us
 /// Reads one pose.
 ///
 /// # Errors
-/// As [`read_all`], and if there are leading axes.
+/// As for [`read_all`], and if there are leading axes.
 pub(crate) fn read_one(value: &Bound<'_, PyAny>, name: &str, message: &'static str) -> PyResult<Pose> {
     match &read_all(value, name)? {
         (shape, poses) if shape.is_empty() && poses.len() == 1 => Ok(poses[0]),
@@ -46,7 +48,7 @@ pub(crate) fn read_one(value: &Bound<'_, PyAny>, name: &str, message: &'static s
     }
 }
 
-/// Raises the first fault of some poses.
+/// Raises the first error of some poses.
 pub(crate) fn raise_first_fault(py: Python<'_>, poses: &Poses, name: &str) -> PyResult<()> {
     match poses.first_fault() {
         None => Ok(()),
@@ -54,18 +56,19 @@ pub(crate) fn raise_first_fault(py: Python<'_>, poses: &Poses, name: &str) -> Py
     }
 }
 
+/// Returns an error about a pose at an index of an argument.
 pub(crate) fn fault(error: &InputError, name: &str, mut at: Vec<usize>) -> Fault {
     let (kind, place) = kind_and_place(error);
     at.extend(place);
-    let rigid = "round shapes want a rotation and a translation, within 1e-4";
+    let rigid = "round shapes need a rotation and a translation, within 1e-4";
     let hint = if kind == "not-rigid" { Some(rigid) } else { error.hint() };
     Fault::new(kind, name, message(error)).at(at).hint(hint)
 }
 
-/// Returns how the leading axes of two arguments broadcast, by their names.
+/// Returns how the leading axes of two arguments broadcast.
 ///
 /// # Errors
-/// `InputError` naming the second, if they do not fit.
+/// `InputError` about the second argument, if they do not broadcast.
 pub(crate) fn broadcast(
     py: Python<'_>,
     (a, name_a): (&[usize], &str),

@@ -1,4 +1,5 @@
-//! What all verbs on two things have in common: which things, at which poses, on which threads.
+//! Arguments and execution of all queries about two things: which things, at which poses, on which
+//! threads.
 
 use impinge::Pose;
 use impinge::query::batch::{Answers, Batch, Execution, Status, Stopped};
@@ -7,63 +8,67 @@ use pyo3::prelude::*;
 use crate::arrays::array;
 use crate::errors::Fault;
 use crate::poses;
-use crate::shapes::{Weighed, weighed};
+use crate::shapes::{WeighedShape, read_shape};
 use crate::workers::{self, Call};
 
-/// The most pairs of faces, over all rows, for which a call about two meshes may keep to the caller's thread, where Ctrl-C waits
-/// for it: at some ten nanoseconds a pair, a fraction of a second in the worst case and microseconds in almost any.
-const MOST_BRIEF_PAIRS: u128 = 1 << 24;
+/// Maximum number of pairs of faces, over all rows, of a query about two meshes that runs on the
+/// caller's thread. Ctrl-C waits for such a query. At about ten nanoseconds for each pair it takes
+/// a fraction of a second in the worst case, and microseconds in almost all cases.
+const MAX_PAIRS_ON_CALLER: u128 = 1 << 24;
 
-/// The most pairs of pieces likewise, if one of the two is a shape.
-const MOST_BRIEF_PIECES: u128 = 1 << 10;
+/// Maximum number of pairs of pieces, over all rows, of a query that runs on the caller's thread if
+/// one of the two things is a shape.
+const MAX_PIECE_PAIRS_ON_CALLER: u128 = 1 << 10;
 
-/// The most rows for which other threads are not worth waking, which takes some ten microseconds.
-const MOST_BRIEF_ROWS: usize = 16;
+/// Maximum number of rows of a query about two meshes that runs on the caller's thread. Waking
+/// other threads takes about ten microseconds, which pays only for more rows.
+const MAX_ROWS_ON_CALLER: usize = 16;
 
-/// The most poses that are judged with the interpreter held.
-const MOST_BRIEF_POSES: usize = 64;
+/// Maximum number of poses that are validated while the thread is attached to the interpreter.
+const MAX_POSES_WHILE_ATTACHED: usize = 64;
 
-/// Two things and the rows of poses at which they are asked about.
+/// Two things, and the rows of poses of a query about them.
 pub(crate) struct Question {
     batch: Batch<'static>,
-    things: [Weighed; 2],
-    tells_status: bool,
+    things: [WeighedShape; 2],
+    wants_status: bool,
     progress: bool,
-    is_long: bool,
-    /// Whether any of the two is a solid mesh.
+    may_take_long: bool,
+    /// Whether one of the things is a solid mesh.
     has_solid: bool,
 }
 
-/// Answers, and whether the caller asked for the status of each row.
+/// Answers, and whether the caller wants the status of each row.
 pub(crate) struct Replies<T> {
     answers: Answers<T>,
-    tells_status: bool,
+    wants_status: bool,
 }
 
-/// How a verb goes through the faces of two meshes.
+/// Search of the faces of two meshes: its threads, and whether an interrupt can end it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Search {
-    /// On one thread for each row, until it is interrupted.
+    /// On one thread for each row, with an interrupt.
     OneThread,
-    /// On all threads, until it is interrupted.
+    /// On all threads, with an interrupt.
     AllThreads,
-    /// To its end.
+    /// To its end: an interrupt does not stop it within a row.
     Whole,
 }
 
-/// Which of two things is solid, if it is a mesh: `False`, `True`, `"a"` or `"b"`.
+/// Option that says which of two things is solid, if it is a mesh: `False`, `True`, `"a"` or `"b"`.
 pub(crate) struct SolidOption(pub(crate) [bool; 2]);
 
-/// Whether the caller wants to see how far the call is.
+/// Option that says whether to show the progress of the call.
 pub(crate) struct Progress(pub(crate) bool);
 
 impl<'py> FromPyObject<'_, 'py> for Question {
     type Error = PyErr;
 
-    /// Reads and judges what every verb takes: `(a, b, pose_a, pose_b, solid, on_error, progress)`.
+    /// Reads and validates the arguments of every query:
+    /// `(a, b, pose_a, pose_b, solid, on_error, progress)`.
     ///
     /// # Errors
-    /// `InputError` naming the argument, and the row and entry in it.
+    /// `InputError` with the name of the argument, the row and the entry.
     fn extract(asked: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         type Asked<'py> = (
             Bound<'py, PyAny>,
@@ -77,26 +82,26 @@ impl<'py> FromPyObject<'_, 'py> for Question {
         let py = asked.py();
         let (a, b, pose_a, pose_b, SolidOption(is_solid), on_error, Progress(progress)): Asked<'py> =
             asked.extract()?;
-        let things = [weighed(&a, "a", is_solid[0])?, weighed(&b, "b", is_solid[1])?];
-        let tells_status = tells_status(&on_error)?;
+        let things = [read_shape(&a, "a", is_solid[0])?, read_shape(&b, "b", is_solid[1])?];
+        let wants_status = wants_status(&on_error)?;
         let (poses_a, poses_b) = (poses::read(&pose_a, "pose_a")?, poses::read(&pose_b, "pose_b")?);
-        let is_short = poses_a.len().max(poses_b.len()) <= MOST_BRIEF_POSES;
+        let is_short = poses_a.len().max(poses_b.len()) <= MAX_POSES_WHILE_ATTACHED;
         let made = || Batch::new(&things[0].shape, &things[1].shape, poses_a, poses_b);
         let batch = if is_short { made() } else { py.detach(made) };
         let batch =
             batch.map_err(|error| Fault::new("shape", "pose_b", format!("{error}, those of pose_a")).raised(py))?;
-        if !tells_status {
+        if !wants_status {
             for (poses, name) in batch.poses().into_iter().zip(["pose_a", "pose_b"]) {
                 poses::raise_first_fault(py, poses, name)?;
             }
         }
         let has_solid = things.iter().any(|thing| thing.shape.as_mesh().is_some_and(|(_, is_solid)| is_solid));
-        Ok(Self { batch, things, tells_status, progress, is_long: false, has_solid })
+        Ok(Self { batch, things, wants_status, progress, may_take_long: false, has_solid })
     }
 }
 
-/// Reads `on_error`: whether an invalid pose gets a status instead of raising an error.
-pub(crate) fn tells_status(option: &Bound<'_, PyAny>) -> PyResult<bool> {
+/// Reads `on_error`. Returns whether an invalid pose gets a status instead of raising an error.
+pub(crate) fn wants_status(option: &Bound<'_, PyAny>) -> PyResult<bool> {
     match option.extract::<&str>() {
         Ok("raise") => Ok(false),
         Ok("status") => Ok(true),
@@ -137,7 +142,7 @@ impl<'py> FromPyObject<'_, 'py> for Progress {
 }
 
 impl Question {
-    /// Returns the two poses, if a single pose is asked about.
+    /// Returns the two poses, or `None` if there are leading axes or if a pose is invalid.
     pub(crate) fn single(&self) -> Option<[Pose; 2]> {
         let [a, b] = self.batch.poses();
         let both = [*a.get(0).ok()?, *b.get(0).ok()?];
@@ -145,17 +150,18 @@ impl Question {
     }
 
     /// Returns the two things.
-    pub(crate) fn things(&self) -> &[Weighed; 2] {
+    pub(crate) fn things(&self) -> &[WeighedShape; 2] {
         &self.things
     }
 
-    /// The same question, of which even one row may take long if one of the two has faces or parts.
+    /// Returns the same question, marked as one whose rows may each take long. A row takes long
+    /// only if one of the things has faces or parts.
     pub(crate) fn that_may_take_long(self) -> Self {
-        let is_long = self.things.iter().any(|thing| thing.weight > 1);
-        Self { is_long, ..self }
+        let may_take_long = self.things.iter().any(|thing| thing.weight > 1);
+        Self { may_take_long, ..self }
     }
 
-    /// Asks a verb about each row, without the interpreter.
+    /// Runs a query for each row while the thread is detached from the interpreter.
     pub(crate) fn ask<T: Send + 'static>(
         self,
         py: Python<'_>,
@@ -165,10 +171,13 @@ impl Question {
         let rows = self.batch.rows();
         let are_meshes = self.things.iter().all(|thing| thing.shape.as_mesh().is_some());
         let weight: u128 = self.things.iter().map(|thing| u128::from(thing.weight.max(1))).product();
-        let (most, most_rows) =
-            if are_meshes { (MOST_BRIEF_PAIRS, MOST_BRIEF_ROWS) } else { (MOST_BRIEF_PIECES, usize::MAX) };
-        let is_short = !self.is_long && rows <= most_rows && weight.saturating_mul(rows as u128) <= most;
-        // A search that can be interrupted may begin on the caller's thread, whatever its size.
+        let (max_work, max_rows) = if are_meshes {
+            (MAX_PAIRS_ON_CALLER, MAX_ROWS_ON_CALLER)
+        } else {
+            (MAX_PIECE_PAIRS_ON_CALLER, usize::MAX)
+        };
+        let is_short = !self.may_take_long && rows <= max_rows && weight.saturating_mul(rows as u128) <= max_work;
+        // A search that can be interrupted may start on the caller's thread, whatever its size is.
         let is_interruptible = are_meshes && search != Search::Whole && (!self.has_solid || is_short);
         let call = Call { rows, is_brief: is_short || is_interruptible, progress: self.progress };
         let batch = self.batch;
@@ -178,18 +187,18 @@ impl Question {
         } else {
             workers::execute(py, call, work)?
         };
-        Ok(Replies { answers, tells_status: self.tells_status })
+        Ok(Replies { answers, wants_status: self.wants_status })
     }
 }
 
 impl<T> Replies<T> {
-    /// The same with each answer made into another.
+    /// Returns the same replies with each answer mapped by `of`.
     pub(crate) fn map<U>(self, of: impl FnMut(T) -> U) -> Replies<U> {
-        Replies { answers: self.answers.map(of), tells_status: self.tells_status }
+        Replies { answers: self.answers.map(of), wants_status: self.wants_status }
     }
 
-    /// What a verb returns: what `made` makes of the answers and their leading axes and, if the caller asked for them, the status
-    /// of each row beside it.
+    /// Returns the result of a query for Python: `made` converts the answers and their leading
+    /// axes. If the caller wants it, the status of each row is added.
     pub(crate) fn returned<'py>(
         self,
         py: Python<'py>,
@@ -197,11 +206,11 @@ impl<T> Replies<T> {
     ) -> PyResult<Bound<'py, PyAny>> {
         let Answers { shape, values, status } = self.answers;
         let answer = made(values, &shape)?;
-        with_status(py, answer, self.tells_status.then_some(status), &shape)
+        with_status(py, answer, self.wants_status.then_some(status), &shape)
     }
 }
 
-/// An answer or, if there are any, the answer and the status of each row.
+/// Returns the answer, or the answer and the status of each row.
 pub(crate) fn with_status<'py>(
     py: Python<'py>,
     answer: Bound<'py, PyAny>,

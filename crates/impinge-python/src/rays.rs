@@ -1,4 +1,4 @@
-//! Rays against one mesh, in its own frame.
+//! Rays against one mesh, in the mesh frame.
 
 use impinge::mesh::{Ray, RayHit};
 use impinge::query::batch::Broadcast;
@@ -8,14 +8,15 @@ use pyo3::prelude::*;
 use crate::arrays::{array, ragged, row_array};
 use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::mesh_of;
-use crate::points::{MOST_BRIEF_WORK, Points};
+use crate::points::{MAX_WORK_ON_CALLER, Points};
 use crate::poses;
 use crate::workers::{self, Call};
 
-/// Magnitudes stay below 2 to this.
+/// Exponent of the magnitude below which coordinates must be, 2^300.
 const EXPONENT: i32 = 300;
 
-/// Whether each ray meets the mesh, where, (...), on which face, (...), and in which point, (..., 3).
+/// Returns whether each ray hits the mesh, (...), the parameter, (...), the face, (...), and the
+/// point, (..., 3).
 #[pyfunction]
 pub(crate) fn ray_cast<'py>(
     mesh: &Bound<'py, PyAny>,
@@ -27,7 +28,7 @@ pub(crate) fn ray_cast<'py>(
     first_hits(py, rays.ask(mesh, Mesh::ray_cast)?, &shape)
 }
 
-/// Whether there is a hit, (...), and its columns.
+/// Returns whether there is a hit, (...), and the columns of the hits.
 pub(crate) fn first_hits<'py>(
     py: Python<'py>,
     found: Vec<Option<RayHit>>,
@@ -37,7 +38,8 @@ pub(crate) fn first_hits<'py>(
     Ok((hit, columns(py, found, shape)?).into_pyobject(py)?.into_any())
 }
 
-/// Offsets of each ray's hits, those of all rays, (k,), and the leading axes.
+/// Returns the offsets of the hits of each ray, columns with the hits of all rays, (k,), and the
+/// leading axes.
 #[pyfunction]
 pub(crate) fn ray_cast_all<'py>(
     mesh: &Bound<'py, PyAny>,
@@ -52,7 +54,7 @@ pub(crate) fn ray_cast_all<'py>(
     Ok((array(py, offsets, &[places])?, hits, shape).into_pyobject(py)?.into_any())
 }
 
-/// Where, on which face and in which point: infinity, -1 and zero where there is none.
+/// Returns parameter, face and point of each hit. Without a hit they are infinity, -1 and zero.
 fn columns<'py>(py: Python<'py>, hits: Vec<Option<RayHit>>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let t = hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect();
     let face = hits.iter().map(|hit| hit.map_or(-1, |hit| i64::from(hit.face))).collect();
@@ -61,7 +63,7 @@ fn columns<'py>(py: Python<'py>, hits: Vec<Option<RayHit>>, shape: &[usize]) -> 
     Ok(columns.into_pyobject(py)?.into_any())
 }
 
-/// Origins against directions, as they broadcast.
+/// Rays: origins and directions, which broadcast.
 pub(crate) struct Rays {
     origins: Points,
     directions: Points,
@@ -69,8 +71,11 @@ pub(crate) struct Rays {
 }
 
 impl Rays {
+    /// Reads the origins and directions of rays.
+    ///
     /// # Errors
-    /// `InputError` where they are no points, a direction is zero, or axes do not fit.
+    /// `InputError` if they are not points, if a direction is zero, or if leading axes do not
+    /// broadcast.
     pub(crate) fn read(origins: &Bound<'_, PyAny>, directions: &Bound<'_, PyAny>) -> PyResult<Self> {
         let py = origins.py();
         let origins = Points::read(origins, "origins", EXPONENT)?;
@@ -83,7 +88,7 @@ impl Rays {
         Ok(Self { origins, directions, rows })
     }
 
-    /// The leading axes.
+    /// Returns the leading axes.
     pub(crate) fn lead(&self) -> &[usize] {
         self.rows.shape()
     }
@@ -92,7 +97,7 @@ impl Rays {
         self.rows.rows()
     }
 
-    /// Origin and direction of a row.
+    /// Returns the origin and the direction of a row.
     pub(crate) fn at(&self, row: usize) -> [[f64; 3]; 2] {
         let [origin, direction] = self.rows.sources(row);
         [self.origins.rows[origin], self.directions.rows[direction]]
@@ -104,14 +109,14 @@ impl Rays {
         ask: impl Fn(&Mesh, &Ray) -> T + Send + Sync + 'static,
     ) -> PyResult<Vec<T>> {
         let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
-        let brief = self.len() as u128 * mesh.faces().len() as u128 <= MOST_BRIEF_WORK;
+        let brief = self.len() as u128 * mesh.faces().len() as u128 <= MAX_WORK_ON_CALLER;
         self.ask_each(py, brief, move |origin, direction| Ok(ask(&mesh, &Ray::new(origin, direction)?)))
     }
 
-    /// What `ask` answers about each ray, its origin and its direction.
+    /// Returns the results of `ask` for the origin and the direction of each ray.
     ///
     /// # Errors
-    /// `InputError` for the first ray that is none.
+    /// `InputError` for the first ray that is invalid.
     pub(crate) fn ask_each<T: Send + 'static>(
         self,
         py: Python<'_>,
@@ -124,12 +129,12 @@ impl Rays {
             let [origin, direction] = self.at(row);
             ask(origin, direction)
         })?;
-        let judged = answers.into_iter().enumerate().map(|(row, answer)| {
+        let checked = answers.into_iter().enumerate().map(|(row, answer)| {
             answer.map_err(|error| {
                 let at = Broadcast::place(&shape, row);
                 Fault::new(kind_and_place(&error).0, "directions", message(&error)).at(at).raised(py)
             })
         });
-        judged.collect()
+        checked.collect()
     }
 }

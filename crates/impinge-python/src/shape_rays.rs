@@ -6,13 +6,14 @@ use pyo3::prelude::*;
 
 use crate::arrays::{array, row_array};
 use crate::rays::Rays;
-use crate::shapes::{Weighed, weighed};
+use crate::shapes::{WeighedShape, read_shape};
 use crate::world_bodies::refused;
 
-/// The most rays times pieces for which a call may keep to the caller's thread.
-const MOST_BRIEF_RAYS: u64 = 1 << 12;
+/// Maximum number of rays times pieces of a call that runs on the caller's thread.
+const MAX_WORK_ON_CALLER: u64 = 1 << 12;
 
-/// Whether each ray meets the shape, where, (...), on which face of a mesh, (...), and in which point, (..., 3).
+/// Returns whether each ray hits the shape, (...), the parameter, (...), the face of a mesh, (...),
+/// and the point, (..., 3).
 #[pyfunction]
 pub(crate) fn shape_ray_cast<'py>(
     shape: &Bound<'py, PyAny>,
@@ -20,10 +21,10 @@ pub(crate) fn shape_ray_cast<'py>(
     directions: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (py, rays) = (shape.py(), Rays::read(origins, directions)?);
-    let Weighed { shape, weight } = weighed(shape, "shape", false)?;
+    let WeighedShape { shape, weight } = read_shape(shape, "shape", false)?;
     let mut world = World::new();
     world.insert(Body::new(shape)).map_err(|error| refused(&error, "shape", 0).at(Vec::new()).raised(py))?;
-    let (lead, brief) = (rays.lead().to_vec(), weight.saturating_mul(rays.len() as u64) <= MOST_BRIEF_RAYS);
+    let (lead, brief) = (rays.lead().to_vec(), weight.saturating_mul(rays.len() as u64) <= MAX_WORK_ON_CALLER);
     let found = rays.ask_each(py, brief, move |origin, direction| {
         Ok(world.ray_cast(&partition::Ray::new(origin, direction, f64::INFINITY)?, |_| true))
     })?;

@@ -1,4 +1,4 @@
-//! Shapes as Python holds them, and what of an argument is one.
+//! Shapes in Python, and how an argument is read as a shape.
 
 use std::sync::Arc;
 
@@ -15,27 +15,28 @@ use crate::points::Points;
 use crate::poses;
 use crate::workers;
 
-/// The magnitude below which shapes may be: 2 to this.
+/// Exponent of the magnitude below which coordinates and lengths must be, 2^128.
 const EXPONENT: i32 = 128;
 
-/// What `impinge.Shape` inherits.
+/// Base class of `impinge.Shape`.
 #[pyclass(subclass, frozen, module = "impinge._impinge")]
 pub(crate) struct ShapeBase {
     shape: Shape,
     weight: u64,
 }
 
-/// A shape, and how many pieces it has to be asked for: faces of its meshes, and one for each other part.
+/// A shape, and the number of pieces that a query of it compares: the faces of its meshes, and one
+/// for each other part.
 #[derive(Clone)]
-pub(crate) struct Weighed {
+pub(crate) struct WeighedShape {
     pub(crate) shape: Shape,
     pub(crate) weight: u64,
 }
 
 #[pymethods]
 impl ShapeBase {
-    /// Of its kind, as the constructors of the library are called; of points, (k, 3), a mesh or a list of parts, each a shape
-    /// and a pose; and of numbers.
+    /// Makes a shape of a kind from its source and its numbers. The source is points, (k, 3), a
+    /// mesh, or a list of parts, each a shape and a pose.
     #[new]
     fn new(kind: &str, source: &Bound<'_, PyAny>, numbers: Vec<f64>) -> PyResult<Self> {
         let py = source.py();
@@ -88,13 +89,15 @@ impl ShapeBase {
         Ok(Self { shape, weight })
     }
 
-    /// (2, 3) lower and upper corner of a box that holds the shape in its own frame; none where nothing does.
+    /// Returns the lower and the upper corner of a box that contains the shape in its own frame,
+    /// (2, 3). Returns `None` if the shape is unbounded or empty.
     fn local_box(&self) -> Option<[[f64; 3]; 2]> {
         self.shape.at(Pose::IDENTITY).ok()?.bounds()
     }
 }
 
-/// A fault of a constructor's argument, by the library's name for what is wrong.
+/// Returns an error about an argument of a constructor, which is found by the noun in the library's
+/// error.
 fn refused(error: &InputError) -> Fault {
     let what = match *error.kind() {
         InputErrorKind::NonFinite { what, .. }
@@ -116,31 +119,31 @@ fn refused(error: &InputError) -> Fault {
     Fault::new(kind, argument, text).at(if is_single { Vec::new() } else { place }).hint(error.hint())
 }
 
-/// The parts of a compound: pairs of a shape or a mesh, and a pose or `None`.
-fn parts_of(source: &Bound<'_, PyAny>) -> PyResult<Vec<(Weighed, Pose)>> {
+/// Returns the parts of a compound: pairs of a shape or a mesh, and a pose or `None`.
+fn parts_of(source: &Bound<'_, PyAny>) -> PyResult<Vec<(WeighedShape, Pose)>> {
     let mut parts = Vec::new();
     for (row, part) in source.try_iter()?.enumerate() {
         let (shape, pose): (Bound<'_, PyAny>, Bound<'_, PyAny>) = part?.extract()?;
         let name = format!("parts[{row}]");
         let pose = poses::read_one(&pose, &name, "a part has one pose, (4, 4)")?;
-        parts.push((weighed(&shape, &name, false)?, pose));
+        parts.push((read_shape(&shape, &name, false)?, pose));
     }
     Ok(parts)
 }
 
-/// The shape that an argument is; a mesh is its surface unless it is said to be solid.
+/// Returns the shape of an argument. A mesh is its surface, unless `is_solid` is set.
 ///
 /// # Errors
-/// `InputError` where it is something else.
-pub(crate) fn weighed(value: &Bound<'_, PyAny>, name: &str, is_solid: bool) -> PyResult<Weighed> {
+/// `InputError` if the argument is something else.
+pub(crate) fn read_shape(value: &Bound<'_, PyAny>, name: &str, is_solid: bool) -> PyResult<WeighedShape> {
     if let Ok(base) = value.cast::<ShapeBase>() {
         let ShapeBase { shape, weight } = base.get();
-        return Ok(Weighed { shape: shape.clone(), weight: *weight });
+        return Ok(WeighedShape { shape: shape.clone(), weight: *weight });
     }
     if value.cast::<MeshBase>().is_ok() {
         let mesh = mesh_of(value, name)?;
         let shape = if is_solid { Shape::solid(&mesh) } else { Shape::mesh(&mesh) };
-        return Ok(Weighed { shape, weight: mesh.faces().len() as u64 });
+        return Ok(WeighedShape { shape, weight: mesh.faces().len() as u64 });
     }
     let message = format!("must be an impinge.Mesh or an impinge.Shape, not {}", value.get_type().qualname()?);
     Err(Fault::new("type", name, message)

@@ -1,4 +1,4 @@
-//! BSP trees over the faces of a mesh, for many points and rays.
+//! BSP trees over the faces of a mesh, for queries of many points and rays.
 
 use std::sync::Arc;
 
@@ -12,10 +12,10 @@ use crate::points::Points;
 use crate::rays::{self, Rays};
 use crate::workers::{self, Call};
 
-/// The most points or rays for which a call keeps to the caller's thread.
-const MOST_BRIEF: usize = 64;
+/// Maximum number of points or rays of a call that runs on the caller's thread.
+const MAX_QUERIES_ON_CALLER: usize = 64;
 
-/// What `impinge.SolidBsp` holds.
+/// Contents of `impinge.SolidBsp`.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct SolidBspCore(Arc<SolidBsp>);
 
@@ -27,31 +27,31 @@ impl SolidBspCore {
         Ok(Self(Arc::new(workers::run(py, move |_| SolidBsp::build(&mesh))?)))
     }
 
-    /// Cells, and planes from the root to the deepest one.
+    /// Returns the number of cells, and the number of planes from the root to the deepest cell.
     fn size(&self) -> (usize, usize) {
         (self.0.cells(), self.0.depth())
     }
 
-    /// (...) booleans.
+    /// Returns whether the mesh contains each point, as booleans of shape (...).
     fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let (py, tree) = (points.py(), self.0.clone());
-        // In this range, no point is refused.
+        // In this range every point is valid.
         let Points { shape, rows } = Points::read(points, "points", 128)?;
-        let call = Call { rows: rows.len(), is_brief: rows.len() <= MOST_BRIEF, progress: false };
+        let call = Call { rows: rows.len(), is_brief: rows.len() <= MAX_QUERIES_ON_CALLER, progress: false };
         let found =
             workers::rows(py, call, move |row| tree.contains(rows[row]).map(impinge::mesh::Containment::is_contained))?;
         let found = found.into_iter().collect::<Result<Vec<bool>, _>>();
         array(py, found.map_err(|error| PyRuntimeError::new_err(error.to_string()))?, &shape)
     }
 
-    /// As `rays::ray_cast`.
+    /// Returns the first hit of each ray, as `rays::ray_cast` does.
     fn ray_cast<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (py, tree, rays) = (origins.py(), self.0.clone(), Rays::read(origins, directions)?);
-        let (shape, brief) = (rays.lead().to_vec(), rays.len() <= MOST_BRIEF);
+        let (shape, brief) = (rays.lead().to_vec(), rays.len() <= MAX_QUERIES_ON_CALLER);
         let found = rays.ask_each(py, brief, move |origin, direction| {
             Ok(tree.ray_cast(&impinge::mesh::Ray::new(origin, direction)?))
         })?;

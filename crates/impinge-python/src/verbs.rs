@@ -1,4 +1,4 @@
-//! The verbs on two things, each the library's own in the rows of a batch.
+//! Queries about two things. Each calls the query of the library for the rows of a batch.
 
 use std::collections::HashMap;
 
@@ -17,19 +17,19 @@ use crate::mesh::mesh_of;
 use crate::question::{Question, Replies, Search};
 use crate::workers;
 
-/// `bool`, or an array of them; what is undecided counts as yes.
+/// Returns a `bool` or an array of them. An undecided answer counts as `True`.
 #[pyfunction]
 pub(crate) fn intersects(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
     yes_or_no(py, question.ask(py, Search::OneThread, |batch| batch.intersects())?)
 }
 
-/// `bool`, or an array of them; what is undecided counts as yes.
+/// Returns a `bool` or an array of them. An undecided answer counts as `True`.
 #[pyfunction]
 pub(crate) fn penetrates(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
     yes_or_no(py, question.ask(py, Search::Whole, |batch| batch.penetrates())?.map(Penetrates::possibly))
 }
 
-/// Booleans as Python has them: one of its own, or an array.
+/// Converts booleans for Python: one `bool` without leading axes, or an array.
 pub(crate) fn yes_or_no(py: Python<'_>, replies: Replies<bool>) -> PyResult<Bound<'_, PyAny>> {
     replies.returned(py, |values, shape| match values[..] {
         [value] if shape.is_empty() => Ok(PyBool::new(py, value).to_owned().into_any()),
@@ -37,8 +37,9 @@ pub(crate) fn yes_or_no(py: Python<'_>, replies: Replies<bool>) -> PyResult<Boun
     })
 }
 
-/// Pairs and whether there are more: a (k, 2) array and a `bool`, or the offsets of each row with the pairs of all rows in one, the
-/// leading axes, and an array of `bool`.
+/// Returns the pairs and whether there are more: a (k, 2) array and a `bool`. With leading axes it
+/// returns the offsets of the rows, the pairs of all rows in one array, the leading axes, and an
+/// array of `bool`.
 #[pyfunction]
 pub(crate) fn intersecting_pairs(
     py: Python<'_>,
@@ -63,7 +64,8 @@ pub(crate) fn intersecting_pairs(
     })
 }
 
-/// A list of (n, 3) arrays, of one row for points that surfaces touch in; in as many lists as there are leading axes.
+/// Returns a list of (n, 3) arrays, one for each polyline. A point at which surfaces touch is an
+/// array of one row. With leading axes the lists are nested.
 #[pyfunction]
 pub(crate) fn intersection_curves(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
     both_meshes(py, &question)?;
@@ -77,7 +79,7 @@ pub(crate) fn intersection_curves(py: Python<'_>, question: Question) -> PyResul
     };
     question.ask(py, Search::Whole, |batch| batch.intersection_curves())?.returned(py, |values, shape| {
         let mut rows = values.into_iter().map(lines).collect::<PyResult<Vec<_>>>()?;
-        // From the last axis to the first, rows are gathered into lists.
+        // Rows are gathered into lists from the last axis to the first.
         for axis in (0..shape.len()).rev() {
             let (length, lists) = (shape[axis], shape[..axis].iter().product());
             let gathered = (0..lists).map(|at: usize| PyList::new(py, &rows[at * length..(at + 1) * length]));
@@ -87,7 +89,7 @@ pub(crate) fn intersection_curves(py: Python<'_>, question: Question) -> PyResul
     })
 }
 
-/// The leading axes, and the columns of `contacts::columns`.
+/// Returns the leading axes and the columns of `contacts::columns`.
 #[pyfunction]
 pub(crate) fn contacts_of(
     py: Python<'_>,
@@ -103,7 +105,7 @@ pub(crate) fn contacts_of(
     })
 }
 
-/// An (k, 2) array.
+/// Returns the pairs of faces that intersect, (k, 2).
 #[pyfunction]
 pub(crate) fn self_intersecting_pairs<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
@@ -112,8 +114,8 @@ pub(crate) fn self_intersecting_pairs<'py>(mesh: &Bound<'py, PyAny>) -> PyResult
     row_array(py, pairs, &[count])
 }
 
-/// For each pair of faces that meet, (k, 2), a point of the world that both have in common, (k, 3), and whether they lie
-/// in one plane, (k,), where the point is the origin instead.
+/// Returns for each pair of intersecting faces, (k, 2), a common point in the world frame, (k, 3),
+/// and whether the faces lie in one plane, (k,). The point of such a pair is the origin instead.
 #[pyfunction]
 pub(crate) fn contact_points<'py>(
     py: Python<'py>,
@@ -130,7 +132,8 @@ pub(crate) fn contact_points<'py>(
     for pair in pairs.as_slice()?.as_chunks::<2>().0 {
         let faces = [a.faces().len(), b.faces().len()];
         if (0..2).any(|side| pair[side] as usize >= faces[side]) {
-            return Err(Fault::new("index-out-of-bounds", "pairs", format!("there is no pair {pair:?}")).raised(py));
+            let message = format!("pair {pair:?} is out of range: a has {} faces, b has {}", faces[0], faces[1]);
+            return Err(Fault::new("index-out-of-bounds", "pairs", message).raised(py));
         }
         let common = crossing(&placement, &a.corners(pair[0]), &b.corners(pair[1]));
         points.push(match &common {
@@ -144,8 +147,8 @@ pub(crate) fn contact_points<'py>(
     Ok((row_array(py, points, &[count])?, array(py, coplanar, &[count])?).into_pyobject(py)?.into_any())
 }
 
-/// For each pair of faces that meet, (k, 2), the normal of the region in which it does, (k, 3), and how deep that is, (k,); zeros
-/// for a pair that does not meet.
+/// Returns for each pair of intersecting faces, (k, 2), the normal, (k, 3), and the depth, (k,), of
+/// the region that it belongs to. Pairs that do not intersect get zeros.
 #[pyfunction]
 pub(crate) fn contact_normals<'py>(
     py: Python<'py>,
@@ -171,7 +174,7 @@ pub(crate) fn contact_normals<'py>(
     Ok((row_array(py, normals, &[count])?, array(py, depths, &[count])?).into_pyobject(py)?.into_any())
 }
 
-/// The two meshes of a question about faces.
+/// Returns the two meshes of a query about faces.
 fn both_meshes<'q>(py: Python<'_>, question: &'q Question) -> PyResult<[&'q Mesh; 2]> {
     let mesh = |side: usize, name: &str| {
         let mesh = question.things()[side].shape.as_mesh();

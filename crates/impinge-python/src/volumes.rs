@@ -10,7 +10,8 @@ use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::{proxies_of, read_positions};
 use crate::workers;
 
-/// The numbers of the vertices, (h,), the faces by these numbers, (f, 3), and the dimension.
+/// Returns the indices of the vertices of the hull, (h,), its faces by these indices, (f, 3), and
+/// its dimension.
 #[pyfunction]
 pub(crate) fn convex_hull<'py>(points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let hull = of_points(points, |points| match points {
@@ -34,8 +35,8 @@ fn columns_of_hull<'py>(py: Python<'py>, hull: &Hull) -> PyResult<Bound<'py, PyA
     Ok(columns.into_pyobject(py)?.into_any())
 }
 
-/// A volume as rows of three numbers, then single numbers: what they are, `impinge.fit` knows. The last two are the volume
-/// and the area of the surface.
+/// Volume as rows of three numbers, then single numbers, whose meaning `impinge.fit` knows. The
+/// last two numbers are the volume and the surface area.
 struct Numbers {
     rows: Vec<[f64; 3]>,
     singles: Vec<f64>,
@@ -46,9 +47,9 @@ impl Numbers {
         Self { rows: rows.to_vec(), singles: [singles, &[volume.volume(), volume.surface_area()]].concat() }
     }
 
-    /// Centre; radius, and the lower bound of the least one.
+    /// Returns the center, the radius, and a lower bound of the radius of the smallest sphere.
     fn of_sphere(sphere: &BoundingSphere, lower: f64) -> Self {
-        Self::of(sphere, &[sphere.centre()], &[sphere.radius(), lower])
+        Self::of(sphere, &[sphere.center()], &[sphere.radius(), lower])
     }
 
     fn of_fitted(fitted: fit::FittedSphere) -> Self {
@@ -68,13 +69,14 @@ impl Numbers {
         Self::of(lozenge, &[lozenge.corner(), u, v], &[lozenge.radius()])
     }
 
-    /// Centre, axes and half-extents; a lower bound of the least volume.
+    /// Returns the center, axes and half-extents, and a lower bound of the volume of the smallest
+    /// box.
     fn of_obb(obb: &Obb, lower: f64) -> Self {
         let [x, y, z] = obb.axes();
-        Self::of(obb, &[obb.centre(), x, y, z, obb.half_extents()], &[lower])
+        Self::of(obb, &[obb.center(), x, y, z, obb.half_extents()], &[lower])
     }
 
-    /// Directions; the least extents along them, then the greatest.
+    /// Returns the directions, the minima along them, then the maxima.
     fn of_kdop<const D: usize>(kdop: &Kdop<D>) -> Self
     where
         Kdop<D>: BoundingVolume,
@@ -89,11 +91,12 @@ impl Numbers {
     }
 }
 
-/// The hull of a mesh as [`convex_hull`] has it, and its volumes as [`fit_volume`] has them: box, sphere, capsule, lozenge,
-/// oriented box, and the polytopes of 14, 18 and 26 faces. Of the least sphere and box nothing is known.
+/// Returns the hull of a mesh as [`convex_hull`] does, and its volumes as [`fit_volume`] does: box,
+/// sphere, capsule, lozenge, oriented box, and the polytopes of 14, 18 and 26 faces. The lower
+/// bounds for the smallest sphere and box are zero.
 ///
 /// # Errors
-/// `InputError` where the mesh is empty, or comes from a file with other proxies than its own.
+/// `InputError` if the mesh is empty, or if its file holds the proxies of another mesh.
 #[pyfunction]
 pub(crate) fn proxies<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let py = mesh.py();
@@ -114,13 +117,14 @@ pub(crate) fn proxies<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAn
     Ok((columns_of_hull(py, proxies.hull())?, volumes).into_pyobject(py)?.into_any())
 }
 
-/// The volume that a construction makes of points.
+/// Returns the volume that a construction makes of points.
 ///
 /// # Errors
-/// `InputError` without points, where one is not finite or out of range, or where there is no such construction.
+/// `InputError` if there are no points, if a point is not finite or out of range, or if there is no
+/// such construction.
 #[pyfunction]
 pub(crate) fn fit_volume<'py>(points: &Bound<'py, PyAny>, construction: &str) -> PyResult<Bound<'py, PyAny>> {
-    /// Of points in either precision, what a generic construction and a reader of its result make of them.
+    /// Applies a generic construction to points in either precision, and converts its result.
     macro_rules! made {
         ($construct:expr, $read:expr) => {
             of_points(points, |points| match points {
@@ -150,7 +154,8 @@ pub(crate) fn fit_volume<'py>(points: &Bound<'py, PyAny>, construction: &str) ->
     numbers.columns(py)
 }
 
-/// What `make` makes of (n, 3) points in single or double precision, on the pool.
+/// Returns the result of `make` for (n, 3) points in single or double precision, computed on the
+/// pool.
 fn of_points<T: Send + 'static>(
     points: &Bound<'_, PyAny>,
     make: impl FnOnce(Positions) -> Result<T, InputError> + Send + 'static,

@@ -1,12 +1,12 @@
-//! Where the work is done: on the caller's thread if it is short or only one thread can do it, otherwise on a pool of
-//! threads. The caller's thread listens for Ctrl-C meanwhile.
+//! The threads that do the work: the caller's thread if the work is short or needs only one thread,
+//! and otherwise a pool of threads. Meanwhile the caller's thread checks for Ctrl-C.
 //!
-//! To wake a pool takes some 30 microseconds, and a first hit takes one. So work that can be interrupted begins on the caller's
-//! thread, however large the meshes are.
+//! Waking a pool takes about 30 microseconds, and finding a first hit takes one. So work that can
+//! be interrupted starts on the caller's thread, however large the meshes are.
 //!
-//! Threads do not survive a fork, so the child forgets the pools of its parent (`impinge._threads` calls `after_fork`).
-//! Pools are looked up and made while the interpreter is held, as it is when Python forks: the lock is never inherited
-//! in a locked state.
+//! Threads do not survive a fork, so the child forgets the pools of its parent (`impinge._threads`
+//! calls `after_fork`). Pools are looked up and made while the thread is attached to the
+//! interpreter, as it is when Python forks. So the child never inherits the lock in a locked state.
 
 use std::cell::OnceCell;
 use std::num::NonZero;
@@ -23,37 +23,38 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// How long a signal may wait: short to a person, long to a processor.
+/// Maximum time until a signal is noticed: short for a person, long for a processor.
 pub(crate) const LISTENING_INTERVAL: Duration = Duration::from_millis(20);
 
-/// Pools that are kept: that of all processors and the last few other sizes.
-const MOST_POOLS: usize = 4;
+/// Maximum number of pools that are kept: the pool of all processors and the last few other sizes.
+const MAX_POOLS: usize = 4;
 
-/// How long rows are worked on by the caller's thread before the pool takes them over: several times what waking it takes.
+/// Time that the caller's thread works on rows before the pool takes over. It is several times the
+/// time that waking the pool takes.
 const PATIENCE: Duration = Duration::from_micros(200);
 
-/// The most rows that the caller's thread begins with.
-const MOST_ROWS_ALONE: usize = 16;
+/// Maximum number of rows of a call that the caller's thread starts.
+const MAX_ROWS_ON_CALLER: usize = 16;
 
-/// A call, and how it is to be worked on.
+/// Size of a call, and how to run it.
 #[derive(Clone, Copy)]
 pub(crate) struct Call {
     pub(crate) rows: usize,
-    /// Whether it is so short that the caller's own thread does it.
+    /// Whether the call is so short that the caller's thread does it.
     pub(crate) is_brief: bool,
-    /// Whether the caller wants to see how far it is.
+    /// Whether the caller wants to see the progress.
     pub(crate) progress: bool,
 }
 
-/// What the caller's thread and the others know of each other.
+/// State that the caller's thread shares with the threads that work for it.
 #[derive(Clone, Default)]
 pub(crate) struct Watch(Arc<Shared>);
 
 #[derive(Default)]
 struct Shared {
-    /// Set once nobody waits for an answer any more.
+    /// Whether the caller stopped waiting for the answer.
     abandoned: AtomicBool,
-    /// Rows that are answered.
+    /// Number of rows that are answered.
     done: AtomicUsize,
 }
 
@@ -63,27 +64,29 @@ impl Watch {
     }
 }
 
-/// Whether this process is the child of one that imported the module.
+/// Whether this process is the child of a process that imported the module.
 static FORKED: AtomicBool = AtomicBool::new(false);
 
-/// Pools by number of threads, the last used last.
+/// Pools with their numbers of threads; the last used pool is last.
 static POOLS: Mutex<Vec<(usize, Arc<ThreadPool>)>> = Mutex::new(Vec::new());
 
-/// Gives what is asked on a caller's own thread no others: rayon's default pool, which it would look to, is made of one.
-pub(crate) fn keep_callers_alone() {
-    // Only a pool that exists already is refused, and that has one thread too.
+/// Limits rayon's default pool to one thread, so that work on a caller's thread does not use
+/// others.
+pub(crate) fn limit_default_pool() {
+    // This fails only if the pool already exists, and that pool has one thread too.
     ThreadPoolBuilder::new().num_threads(1).build_global().ok();
 }
 
-/// To be called in the child, after each fork.
+/// Forgets all pools. Python must call it in the child after each fork.
 #[pyfunction]
 pub(crate) fn after_fork() {
     FORKED.store(true, Ordering::Relaxed);
-    // To drop the pools would mean to signal to threads that are not here.
+    // Dropping the pools would send signals to threads that do not exist in this process.
     std::mem::forget(std::mem::take(&mut *POOLS.lock().unwrap_or_else(PoisonError::into_inner)));
 }
 
-/// Makes the caller's thread do its parallel work alone, in a forked process too, where the default pool has no thread.
+/// Makes the caller's thread do its parallel work alone. A forked process needs this, because its
+/// default pool has no thread.
 fn work_alone() {
     thread_local! {
         static ALONE: OnceCell<()> = const { OnceCell::new() };
@@ -98,28 +101,30 @@ fn work_alone() {
     }
 }
 
-/// Runs a job on the pool. A signal handler that raises, as that of Ctrl-C does, ends the wait at once: the job is
-/// abandoned, and whatever of it has not begun is not done.
+/// Runs a job on the pool and waits for its answer. If a signal handler raises, as the one of
+/// Ctrl-C does, the wait ends at once. The job is then abandoned: work that has not started is not
+/// done.
 pub(crate) fn run<T: Send + 'static>(py: Python<'_>, job: impl FnOnce(&Watch) -> T + Send + 'static) -> PyResult<T> {
     run_watched(py, |_| Ok(()), job)
 }
 
-/// [`run`], with `listen` called between two waits; where it fails, so does the call.
+/// Runs a job as [`run`] does, and calls `listen` between two waits. An error of `listen` ends the
+/// call.
 fn run_watched<T: Send + 'static>(
     py: Python<'_>,
     listen: impl Fn(&Watch) -> PyResult<()>,
     job: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
-    let pool = pool(asked_threads(py)?)?;
+    let pool = pool(requested_threads(py)?)?;
     let watch = Watch::default();
     let (sender, mut receiver) = mpsc::sync_channel(1);
     let watched = watch.clone();
     pool.spawn(move || {
         let answer = job(&watched);
-        sender.send(answer).ok(); // nobody listens where the job was abandoned
+        sender.send(answer).ok(); // it fails if the job was abandoned
     });
     loop {
-        // A receiver may be moved but not shared.
+        // A receiver can be moved between threads but not shared.
         let heard = py.detach(move || (receiver.recv_timeout(LISTENING_INTERVAL), receiver));
         receiver = heard.1;
         match heard.0 {
@@ -137,7 +142,8 @@ fn run_watched<T: Send + 'static>(
     }
 }
 
-/// Asks `ask` about each row, on all threads; on the caller's own if the call is brief.
+/// Returns the answers of `ask` for all rows, on all threads. A brief call runs on the caller's
+/// thread.
 pub(crate) fn rows<T: Send + 'static>(
     py: Python<'_>,
     call: Call,
@@ -146,7 +152,7 @@ pub(crate) fn rows<T: Send + 'static>(
     execute(py, call, move |execution| execution.rows(call.rows, || (), |(), row, _| ask(row)))
 }
 
-/// Does work on rows, on all threads; on the caller's own if the call is brief.
+/// Does work on rows, on all threads. A brief call runs on the caller's thread.
 pub(crate) fn execute<T: Send + 'static>(
     py: Python<'_>,
     call: Call,
@@ -162,17 +168,18 @@ pub(crate) fn execute<T: Send + 'static>(
     done.map_err(|stopped| raised(&stopped, call))
 }
 
-/// [`execute`] for work that its interrupt ends within a row. The caller's thread begins with a brief call, however large the meshes
-/// are. The pool takes it over if that takes long, unless there is one row and `is_one_thread` says that one thread does all of it.
+/// Does work as [`execute`] does, for work that an interrupt ends within a row. The caller's thread
+/// starts a call of few rows, however large the meshes are. If that takes long, the pool takes
+/// over, unless there is one row and `is_one_thread` says that one thread does all of it.
 pub(crate) fn execute_interruptibly<T: Send + 'static>(
     py: Python<'_>,
     call: Call,
     is_one_thread: bool,
     work: impl Fn(Execution<'_>) -> Result<T, Stopped> + Send + Sync + 'static,
 ) -> PyResult<T> {
-    if call.is_brief && call.rows <= MOST_ROWS_ALONE {
+    if call.is_brief && call.rows <= MAX_ROWS_ON_CALLER {
         let patience = if call.rows == 1 && is_one_thread { None } else { Some(PATIENCE) };
-        match on_own_thread(py, patience, &work)? {
+        match on_callers_thread(py, patience, &work)? {
             Err(Stopped::Interrupted) => {}
             done => return done.map_err(|stopped| raised(&stopped, call)),
         }
@@ -181,11 +188,12 @@ pub(crate) fn execute_interruptibly<T: Send + 'static>(
 }
 
 fn raised(stopped: &Stopped, call: Call) -> PyErr {
-    PyMemoryError::new_err(format!("{stopped} of {} rows", call.rows))
+    PyMemoryError::new_err(format!("{stopped} of {} rows: ask for fewer rows at a time", call.rows))
 }
 
-/// Does work on the caller's thread, which looks at signals between whiles. It is interrupted if it takes longer than `patience`.
-fn on_own_thread<T: Send>(
+/// Does work on the caller's thread, which checks for signals from time to time. The work is
+/// interrupted if it takes longer than `patience`.
+fn on_callers_thread<T: Send>(
     py: Python<'_>,
     patience: Option<Duration>,
     work: &(impl Fn(Execution<'_>) -> Result<T, Stopped> + Send + Sync),
@@ -241,7 +249,7 @@ fn on_pool<T: Send + 'static>(
     done?.map_err(|stopped| raised(&stopped, call))
 }
 
-/// The line in which the caller sees how far a call is: `impinge._progress.Line`.
+/// Line that shows the progress of a call: `impinge._progress.Line`.
 struct Line<'py>(Bound<'py, PyAny>);
 
 impl<'py> Line<'py> {
@@ -259,33 +267,33 @@ impl<'py> Line<'py> {
     }
 }
 
-/// The threads that `impinge.threads` asks for, or all.
-fn asked_threads(py: Python<'_>) -> PyResult<usize> {
-    static ASKED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let asked: Option<usize> = ASKED.import(py, "impinge._threads", "asked")?.call_method0("get")?.extract()?;
+/// Returns the number of threads that `impinge.threads` sets, or that of all processors.
+fn requested_threads(py: Python<'_>) -> PyResult<usize> {
+    static REQUESTED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let asked: Option<usize> = REQUESTED.import(py, "impinge._threads", "asked")?.call_method0("get")?.extract()?;
     Ok(asked.unwrap_or_else(|| thread::available_parallelism().map_or(1, NonZero::get)))
 }
 
-/// The pool with so many threads, made where there is none. Called while the interpreter is held, and never letting go
-/// of it.
+/// Returns the pool with a number of threads, and makes it if needed. The thread stays attached to
+/// the interpreter during the call.
 fn pool(threads: usize) -> PyResult<Arc<ThreadPool>> {
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     let found = match pools.iter().position(|(size, _)| *size == threads) {
         Some(at) => pools.remove(at),
-        None => (threads, Arc::new(started(threads)?)),
+        None => (threads, Arc::new(start_pool(threads)?)),
     };
-    if pools.len() == MOST_POOLS {
+    if pools.len() == MAX_POOLS {
         pools.remove(0);
     }
     pools.push(found.clone());
     Ok(found.1)
 }
 
-fn started(threads: usize) -> PyResult<ThreadPool> {
+fn start_pool(threads: usize) -> PyResult<ThreadPool> {
     ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|number| format!("impinge-{number}"))
-        .panic_handler(|_| ()) // the caller hears of it, as the sender is gone
+        .panic_handler(|_| ()) // the caller notices, because the sender is dropped
         .build()
-        .map_err(|error| PyRuntimeError::new_err(format!("starting {threads} threads: {error}")))
+        .map_err(|error| PyRuntimeError::new_err(format!("cannot start {threads} threads: {error}")))
 }

@@ -1,7 +1,8 @@
-//! Worlds of many bodies as Python holds them: bodies by number, arrays of poses in, arrays of pairs out.
+//! Worlds of many bodies in Python: handles of bodies and arrays of poses are arguments, and arrays
+//! of pairs are results.
 //!
-//! A step may ask a filter of Python's, from threads that then want the interpreter. So whoever waits for the world lets go of
-//! the interpreter first.
+//! A step may call a filter that is a Python function, from threads that then need the interpreter.
+//! So a call that waits for the world detaches from the interpreter first.
 
 use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,36 +19,37 @@ use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::read_positions;
 use crate::motions::matrix;
 use crate::poses;
-use crate::shapes::weighed;
+use crate::shapes::read_shape;
 use crate::workers;
 use crate::world_bodies::{
-    BROAD_PHASES, Handles, NARROW_PHASES, Placement, REALIGNMENTS, Standing, chosen, ids, keys, numbers, of_bodies,
-    refused, traits,
+    BROAD_PHASES, Handles, NARROW_PHASES, Placement, REALIGNMENTS, TraitArguments, chosen, ids, keys, numbers,
+    of_bodies, refused, traits,
 };
 use crate::world_state::{Shapes, Source, WorldState};
 use crate::world_turn::{Shared, Turn};
 
-/// What `impinge.World` holds.
+/// Contents of `impinge.World`.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct WorldCore {
     shared: Arc<Shared>,
-    /// What a filter raised in the step that is under way.
+    /// Exception that a filter raised in the current step.
     raised: Arc<Mutex<Option<PyErr>>>,
 }
 
 thread_local! {
-    /// Whether this thread asks a filter of Python's.
+    /// Whether this thread is calling a filter of Python.
     static IN_FILTER: Cell<bool> = const { Cell::new(false) };
 }
 
 impl WorldCore {
-    /// Waits for its turn at the world, without the interpreter.
+    /// Waits for a turn at the world, detached from the interpreter.
     ///
     /// # Errors
-    /// Where a filter asks, which is asked itself while the world changes; where a signal ends the wait.
+    /// `RuntimeError` if a filter makes the call, because the world is changing then. The exception
+    /// of a signal that ends the wait.
     pub(crate) fn turn(&self, py: Python<'_>) -> PyResult<Turn> {
         if IN_FILTER.get() {
-            let message = "a filter cannot ask the world, which is changing while the filter is asked";
+            let message = "a filter cannot query the world, which is changing while the filter runs";
             return Err(PyRuntimeError::new_err(message));
         }
         loop {
@@ -58,27 +60,27 @@ impl WorldCore {
         }
     }
 
-    /// Looks at the world, without the interpreter.
+    /// Reads the world, detached from the interpreter.
     ///
     /// # Errors
-    /// As [`turn`](Self::turn).
+    /// As for [`turn`](Self::turn).
     fn look<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&World) -> T + Send) -> PyResult<T> {
         let turn = self.turn(py)?;
         Ok(py.detach(move || look(&turn.read())))
     }
 
-    /// Changes the world, without the interpreter.
+    /// Changes the world, detached from the interpreter.
     ///
     /// # Errors
-    /// As [`turn`](Self::turn).
+    /// As for [`turn`](Self::turn).
     fn change<T: Send>(&self, py: Python<'_>, change: impl FnOnce(&mut World) -> T + Send) -> PyResult<T> {
         self.reshape(py, |world, _| change(world))
     }
 
-    /// Changes the world and what the shapes in it are made of, without the interpreter.
+    /// Changes the world and the table of its shapes, detached from the interpreter.
     ///
     /// # Errors
-    /// As [`turn`](Self::turn).
+    /// As for [`turn`](Self::turn).
     fn reshape<T: Send>(
         &self,
         py: Python<'_>,
@@ -105,25 +107,26 @@ impl WorldCore {
         self.look(py, World::len)
     }
 
-    /// (n,) handles of all bodies.
+    /// Returns the handles of all bodies, (n,).
     fn bodies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let bodies = self.look(py, |world| world.bodies().map(BodyId::to_bits).collect::<Vec<u64>>())?;
         let count = bodies.len();
         array(py, bodies, &[count])
     }
 
-    /// Puts a body of one shape into each of the poses, with owners and tags of their own; all of them or none. Owners are as
-    /// many as there are poses, or there are none.
+    /// Inserts a body of one shape at each of the poses, with owners and tags of their own. If one
+    /// body is invalid, no body is inserted. There is one owner for each pose, or there are no
+    /// owners.
     fn insert<'py>(
         &self,
         py: Python<'py>,
         placement: Placement<'py>,
-        standing: Standing<'_>,
+        standing: TraitArguments<'_>,
         owners: Option<&Handles<'py>>,
         tags: &Handles<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (shape, way, poses) = placement;
-        let (body, made_of) = (Body::new(weighed(&shape, "shape", false)?.shape), Source::object(&shape));
+        let (body, made_of) = (Body::new(read_shape(&shape, "shape", false)?.shape), Source::object(&shape));
         let way = chosen(&way, "realigned_by", &REALIGNMENTS)?;
         let Traits { kind, layers, .. } = traits(&standing)?;
         let (lead, poses) = poses::read_all(&poses, "pose")?;
@@ -143,7 +146,7 @@ impl WorldCore {
                     Ok(id) => inserted.push(id),
                     Err(error) => {
                         for id in inserted {
-                            world.remove(id).ok(); // it was inserted a moment ago
+                            world.remove(id).ok(); // it exists, as it was inserted above
                         }
                         return Err((row, error));
                     }
@@ -156,7 +159,7 @@ impl WorldCore {
         array(py, inserted.into_iter().map(BodyId::to_bits).collect(), &lead)
     }
 
-    /// Takes bodies out; all of them or none.
+    /// Removes bodies. If one handle is invalid, no body is removed.
     fn remove(&self, bodies: &Handles<'_>) -> PyResult<()> {
         let ids = ids(bodies)?;
         let mut once = ids.clone();
@@ -172,8 +175,8 @@ impl WorldCore {
         removed.map_err(|error| of_bodies(&error, &ids, "bodies").raised(bodies.py()))
     }
 
-    /// Moves bodies, and says what changed: pairs that began, (k, 2), and ended, (k, 2), those that did neither, (k, 2), where
-    /// they are asked for, and five counters of work.
+    /// Moves bodies and returns the changes: pairs that began, (k, 2), pairs that ended, (k, 2),
+    /// the other pairs, (k, 2), if they are wanted, and five counters of work.
     fn step<'py>(
         &self,
         bodies: &Handles<'py>,
@@ -189,8 +192,8 @@ impl WorldCore {
         let events = workers::run(py, move |_| {
             let mut world = turn.write();
             let events = world.step(&moves)?.clone();
-            let others = |pair: &PairKey| events.began.binary_search(pair).is_err();
-            let stay = persisting.then(|| world.pairs().map(|pair| pair.key).filter(others).collect::<Vec<_>>());
+            let is_persisting = |pair: &PairKey| events.began.binary_search(pair).is_err();
+            let stay = persisting.then(|| world.pairs().map(|pair| pair.key).filter(is_persisting).collect::<Vec<_>>());
             Ok((events, stay))
         })?;
         if let Some(raised) = self.raised() {
@@ -203,7 +206,8 @@ impl WorldCore {
         Ok((keys(py, &events.began)?, keys(py, &events.ended)?, stay, counters).into_pyobject(py)?.into_any())
     }
 
-    /// The pairs that meet, (p, 2), and whether each is undecided, (p,); those of one body alone where it is named.
+    /// Returns the pairs that intersect, (p, 2), and whether each is undecided, (p,). If a body is
+    /// given, only the pairs of that body are returned.
     fn pairs<'py>(&self, py: Python<'py>, body: Option<u64>) -> PyResult<Bound<'py, PyAny>> {
         let found = self.look(py, |world| {
             let of = |pair: impinge::world::Pair<'_>| (pair.key, pair.proximity == Proximity::Undecided);
@@ -218,27 +222,28 @@ impl WorldCore {
         Ok((keys(py, &pairs)?, array(py, undecided, &[count])?).into_pyobject(py)?.into_any())
     }
 
-    /// What `contacts::columns` makes of the pairs that meet.
+    /// Returns the contacts of the pairs that intersect, as `contacts::columns` makes them.
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let found = self.look(py, |world| world.pairs().map(|pair| pair.manifolds.to_vec()).collect::<Vec<_>>())?;
         contacts::columns(py, found.iter().map(Vec::as_slice))
     }
 
-    /// (n, 4, 4) poses of bodies.
+    /// Returns the poses of bodies, (n, 4, 4).
     fn poses<'py>(&self, bodies: &Handles<'py>) -> PyResult<Bound<'py, PyAny>> {
         let found = self.of_each(bodies, |world, id| world.pose(id).map(matrix))?;
         let count = found.len();
         array(bodies.py(), found.into_flattened(), &[count, 4, 4])
     }
 
-    /// (n,) tags of bodies.
+    /// Returns the tags of bodies, (n,).
     fn tags<'py>(&self, bodies: &Handles<'py>) -> PyResult<Bound<'py, PyAny>> {
         let found = self.of_each(bodies, |world, id| world.traits(id).map(|traits| traits.tag))?;
         let count = found.len();
         array(bodies.py(), found, &[count])
     }
 
-    /// (n, 2, 3) lower and upper corners of boxes about bodies, infinite about what nothing bounds.
+    /// Returns the lower and upper corners of boxes around bodies, (n, 2, 3). They are infinite for
+    /// unbounded bodies.
     fn bounds<'py>(&self, bodies: &Handles<'py>) -> PyResult<Bound<'py, PyAny>> {
         const EVERYWHERE: [[f64; 3]; 2] = [[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]];
         let found = self.of_each(bodies, |world, id| {
@@ -248,7 +253,8 @@ impl WorldCore {
         array(bodies.py(), found.into_flattened().into_flattened(), &[count, 2, 3])
     }
 
-    /// Puts bodies elsewhere at once, static ones too; all of them or none.
+    /// Sets the poses of bodies at once, static bodies included. If one pose is invalid, no body is
+    /// moved.
     fn set_poses<'py>(&self, bodies: &Handles<'py>, poses: &Bound<'py, PyAny>) -> PyResult<()> {
         let py = bodies.py();
         let ids = ids(bodies)?;
@@ -259,7 +265,7 @@ impl WorldCore {
             for (row, (&id, &pose)) in ids.iter().zip(&poses).enumerate() {
                 if let Err(error) = world.set_pose(id, pose) {
                     for (&id, &pose) in ids.iter().zip(&before).take(row).rev() {
-                        world.set_pose(id, pose).ok(); // it stood there a moment ago
+                        world.set_pose(id, pose).ok(); // valid, as it was the pose before
                     }
                     return Err(error);
                 }
@@ -269,8 +275,13 @@ impl WorldCore {
         set.map_err(|error| of_bodies(&error, &ids, "poses").raised(py))
     }
 
-    /// Changes what moves bodies and whom they meet; of all of them or of none.
-    fn set_traits(&self, bodies: &Handles<'_>, standing: Standing<'_>, owners: Option<&Handles<'_>>) -> PyResult<()> {
+    /// Sets the kind, layers and owner of bodies. If one handle is invalid, nothing changes.
+    fn set_traits(
+        &self,
+        bodies: &Handles<'_>,
+        standing: TraitArguments<'_>,
+        owners: Option<&Handles<'_>>,
+    ) -> PyResult<()> {
         let ids = ids(bodies)?;
         let made = traits(&standing)?;
         let owners = owners.map(numbers).transpose()?;
@@ -284,10 +295,10 @@ impl WorldCore {
         set.map_err(|error| of_bodies(&error, &ids, "bodies").raised(bodies.py()))
     }
 
-    /// Gives a body another shape.
+    /// Replaces the shape of a body.
     fn set_shape(&self, body: u64, shape: &Bound<'_, PyAny>) -> PyResult<()> {
         let py = shape.py();
-        let (made_of, shape) = (Source::object(shape), weighed(shape, "shape", false)?.shape);
+        let (made_of, shape) = (Source::object(shape), read_shape(shape, "shape", false)?.shape);
         let set = self.reshape(py, move |world, shapes| {
             let body = BodyId::from_bits(body);
             world.set_shape(body, &shape)?;
@@ -297,7 +308,8 @@ impl WorldCore {
         set.map_err(|error| refused(&error, "body", 0).at(Vec::new()).raised(py))
     }
 
-    /// Moves the vertices of a body that is a mesh; returns what its hierarchy costs by now.
+    /// Moves the vertices of a body that is a mesh. Returns the cost of its hierarchy relative to
+    /// its cost when it was built.
     fn refit(&self, body: u64, vertices: &Bound<'_, PyAny>) -> PyResult<f64> {
         let py = vertices.py();
         let positions: Positions = read_positions(vertices)?;
@@ -318,7 +330,8 @@ impl WorldCore {
         Ok(aging.ratio())
     }
 
-    /// Asks `filter(a, b)` about pairs of handles from now on; nothing for `None`.
+    /// Sets the filter: from now on `filter(a, b)` is called with pairs of handles. `None` removes
+    /// it.
     fn set_filter(&self, py: Python<'_>, filter: Option<Py<PyAny>>) -> PyResult<()> {
         let raised = self.raised.clone();
         self.change(py, move |world| match filter {
@@ -347,18 +360,18 @@ impl WorldCore {
         if self.reshape(py, |world, shapes| state.restore(world, shapes))? {
             return Ok(());
         }
-        let message = "is of a world with another broad_phase or narrow_phase";
+        let message = "belongs to a world with another broad_phase or narrow_phase";
         Err(Fault::new("option", "state", message).raised(py))
     }
 }
 
 impl WorldCore {
-    /// What a filter raised in the last step.
+    /// Returns the exception that a filter raised in the last step.
     fn raised(&self) -> Option<PyErr> {
         self.raised.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    /// What there is to say of each body.
+    /// Returns the result of `of` for each body.
     fn of_each<T: Send>(
         &self,
         bodies: &Handles<'_>,

@@ -1,4 +1,5 @@
-//! Options, handles and traits of bodies as Python names them, and faults that name the argument's row.
+//! Options, handles and traits of bodies by their names in Python, and errors that name the row of
+//! an argument.
 
 use impinge::world::{BodyId, BroadPhase, Kind, Layers, NarrowPhase, PairKey, Realignment, Traits, WorldError};
 use numpy::{PyArray1, PyArrayMethods};
@@ -7,14 +8,15 @@ use pyo3::prelude::*;
 use crate::arrays::row_array;
 use crate::errors::{Fault, kind_and_place, message};
 
-/// A shape, how its box is found, and the poses of bodies of it.
+/// A shape, the realignment of its box, and the poses of bodies with that shape.
 pub(crate) type Placement<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// Handles, one a row, in an array of u64.
+/// Handles, one in each row of an array of u64.
 pub(crate) type Handles<'py> = Bound<'py, PyArray1<u64>>;
 
-/// What a body has to do with others, as Python tells it: what moves it, the layers that it is on and those that it meets.
-pub(crate) type Standing<'py> = (Bound<'py, PyAny>, u32, u32);
+/// Traits of bodies as Python passes them: the kind, the layers that a body is on, and the layers
+/// that it intersects.
+pub(crate) type TraitArguments<'py> = (Bound<'py, PyAny>, u32, u32);
 
 pub(crate) const BROAD_PHASES: [(&str, BroadPhase); 7] = [
     ("auto", BroadPhase::Auto),
@@ -40,10 +42,10 @@ pub(crate) const REALIGNMENTS: [(&str, Realignment); 5] = [
 pub(crate) const KINDS: [(&str, Kind); 3] =
     [("static", Kind::Static), ("kinematic", Kind::Kinematic), ("moving", Kind::Moving)];
 
-/// The value of this name.
+/// Returns the value with the name in an option.
 ///
 /// # Errors
-/// `InputError` where there is none, naming those that there are.
+/// `InputError` if there is no such name; it lists the names.
 pub(crate) fn chosen<T: Copy>(option: &Bound<'_, PyAny>, argument: &str, values: &[(&str, T)]) -> PyResult<T> {
     let name = option.extract::<&str>().ok();
     let found = values.iter().find(|(own, _)| Some(*own) == name);
@@ -57,7 +59,7 @@ pub(crate) fn chosen<T: Copy>(option: &Bound<'_, PyAny>, argument: &str, values:
     })
 }
 
-pub(crate) fn traits((kind, on, meets): &Standing<'_>) -> PyResult<Traits> {
+pub(crate) fn traits((kind, on, meets): &TraitArguments<'_>) -> PyResult<Traits> {
     let (kind, layers) = (chosen(kind, "kind", &KINDS)?, Layers { on: *on, meets: *meets });
     Ok(Traits { kind, layers, ..Traits::default() })
 }
@@ -70,12 +72,13 @@ pub(crate) fn ids(handles: &Handles<'_>) -> PyResult<Vec<BodyId>> {
     Ok(handles.readonly().as_slice()?.iter().copied().map(BodyId::from_bits).collect())
 }
 
-/// (k, 2) handles.
+/// Returns the handles of pairs, (k, 2).
 pub(crate) fn keys<'py>(py: Python<'py>, pairs: &[PairKey]) -> PyResult<Bound<'py, PyAny>> {
     row_array(py, pairs.iter().map(|pair| [pair.a.to_bits(), pair.b.to_bits()]).collect(), &[pairs.len()])
 }
 
-/// A fault of the row of an argument that belongs to the body which the world names; of a pose where that is what is wrong.
+/// Returns an error about the row of an argument that belongs to the body in an error of the world.
+/// If a pose is invalid, the error is about the poses.
 pub(crate) fn of_bodies(error: &WorldError, ids: &[BodyId], poses: &str) -> Fault {
     let body = match error {
         WorldError::Stale { body } | WorldError::Static { body } | WorldError::NotAMesh { body } => Some(*body),
@@ -86,7 +89,7 @@ pub(crate) fn of_bodies(error: &WorldError, ids: &[BodyId], poses: &str) -> Faul
     refused(error, if matches!(error, WorldError::Input { .. }) { poses } else { "bodies" }, row)
 }
 
-/// A fault of a row of an argument.
+/// Returns an error about a row of an argument.
 pub(crate) fn refused(error: &WorldError, argument: &str, row: usize) -> Fault {
     let (kind, text, hint) = match error {
         WorldError::Input { error, .. } => (kind_and_place(error).0, message(error), error.hint()),

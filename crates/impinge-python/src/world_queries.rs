@@ -1,4 +1,4 @@
-//! What rays meet in a world, and what is in boxes, at points and in the way of shapes there.
+//! Queries of a world by rays, boxes, points and shapes.
 
 use impinge::partition::Ray;
 use impinge::query::batch::Broadcast;
@@ -12,15 +12,16 @@ use crate::errors::{Fault, kind_and_place, message};
 use crate::points::Points;
 use crate::poses;
 use crate::rays::Rays;
-use crate::shapes::weighed;
+use crate::shapes::read_shape;
 use crate::workers::{self, Call};
 use crate::world::WorldCore;
 
-/// Magnitudes stay below 2 to this.
+/// Exponent of the magnitude below which coordinates must be, 2^128.
 const EXPONENT: i32 = 128;
 
-/// Whether each ray meets a body, where, (...), which, (...), in which point, (..., 3), and on which face, (...), which is -1
-/// for what is no mesh. Rays see bodies on the `layers`, as far as `reach`.
+/// Returns whether each ray hits a body, (...), the parameter, (...), the body, (...), the point,
+/// (..., 3), and the face, (...), which is -1 if the body is not a mesh. Rays hit bodies on
+/// `layers`, up to `reach`.
 #[pyfunction]
 pub(crate) fn world_ray_cast<'py>(
     world: &Bound<'py, WorldCore>,
@@ -33,7 +34,8 @@ pub(crate) fn world_ray_cast<'py>(
     Ok((hit, columns(py, found, &shape)?).into_pyobject(py)?.into_any())
 }
 
-/// Offsets of each ray's hits, the columns of those of all rays, (k,), and the leading axes.
+/// Returns the offsets of the hits of each ray, columns with the hits of all rays, (k,), and the
+/// leading axes.
 #[pyfunction]
 pub(crate) fn world_ray_cast_all<'py>(
     world: &Bound<'py, WorldCore>,
@@ -47,7 +49,7 @@ pub(crate) fn world_ray_cast_all<'py>(
     Ok((array(py, offsets, &[places])?, hits, shape).into_pyobject(py)?.into_any())
 }
 
-/// The bodies on some layers.
+/// Returns a filter for the bodies on some layers.
 fn on(layers: u32) -> impl Fn(&Traits) -> bool {
     move |traits| traits.layers.on & layers != 0
 }
@@ -60,7 +62,7 @@ fn cast<'py, T: Send + 'static>(
     let (py, turn) = (world.py(), world.get().turn(world.py())?);
     if reach.is_nan() || reach < 0.0 {
         let kind = if reach.is_nan() { "non-finite" } else { "negative" };
-        return Err(Fault::new(kind, "reach", format!("{reach} is not at least zero")).raised(py));
+        return Err(Fault::new(kind, "reach", format!("must be at least zero, not {reach}")).raised(py));
     }
     Rays::read(&origins, &directions)?.ask_each(py, false, move |origin, direction| {
         let ray = Ray::new(origin, direction, reach)?;
@@ -68,7 +70,7 @@ fn cast<'py, T: Send + 'static>(
     })
 }
 
-/// Where, (...), which body, (...), in which point, (..., 3), and on which face, (...).
+/// Returns the parameter, (...), the body, (...), the point, (..., 3), and the face, (...).
 fn columns<'py>(py: Python<'py>, hits: Vec<Option<BodyRayHit>>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let t = hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect();
     let body = hits.iter().map(|hit| hit.map_or(0, |hit| hit.body.to_bits())).collect();
@@ -79,7 +81,8 @@ fn columns<'py>(py: Python<'py>, hits: Vec<Option<BodyRayHit>>, shape: &[usize])
     Ok(columns.into_pyobject(py)?.into_any())
 }
 
-/// Offsets of what was found for each row, (n + 1,), handles, (k,), and the leading axes.
+/// Returns the offsets of the bodies found for each row, (n + 1,), handles, (k,), and the leading
+/// axes.
 fn found<'py>(py: Python<'py>, hits: Vec<Vec<BodyHit>>, shape: Vec<usize>) -> PyResult<Bound<'py, PyAny>> {
     let (offsets, hits) = ragged(hits);
     let (places, count) = (offsets.len(), hits.len());
@@ -87,10 +90,10 @@ fn found<'py>(py: Python<'py>, hits: Vec<Vec<BodyHit>>, shape: Vec<usize>) -> Py
     Ok((array(py, offsets, &[places])?, bodies, shape).into_pyobject(py)?.into_any())
 }
 
-/// What `ask` finds for each of some rows.
+/// Returns the results of `ask` for all rows.
 ///
 /// # Errors
-/// `InputError` for the first row of the argument that is not in range.
+/// `InputError` for the first row of the argument that is out of range.
 fn ask<T: Send + Sync + 'static>(
     world: &Bound<'_, WorldCore>,
     argument: &str,
@@ -101,16 +104,16 @@ fn ask<T: Send + Sync + 'static>(
     let (py, turn) = (world.py(), world.get().turn(world.py())?);
     let call = Call { rows: rows.len(), is_brief: false, progress: false };
     let found = workers::rows(py, call, move |row| ask(&turn.read(), &rows[row]))?;
-    let judged = found.into_iter().enumerate().map(|(row, found)| {
+    let checked = found.into_iter().enumerate().map(|(row, found)| {
         found.map_err(|error| {
             let at = Broadcast::place(shape, row);
             Fault::new(kind_and_place(&error).0, argument, message(&error)).at(at).hint(error.hint()).raised(py)
         })
     });
-    judged.collect()
+    checked.collect()
 }
 
-/// The bodies that hold points, (..., 3).
+/// Returns the bodies that contain points, (..., 3).
 #[pyfunction]
 pub(crate) fn world_at_points<'py>(
     world: &Bound<'py, WorldCore>,
@@ -122,7 +125,7 @@ pub(crate) fn world_at_points<'py>(
     found(world.py(), hits, shape)
 }
 
-/// The bodies whose boxes overlap boxes, from lower corners, (..., 3), to upper ones of the same shape.
+/// Returns the bodies whose boxes overlap given boxes. Lower and upper corners have shape (..., 3).
 #[pyfunction]
 pub(crate) fn world_in_boxes<'py>(
     world: &Bound<'py, WorldCore>,
@@ -135,7 +138,7 @@ pub(crate) fn world_in_boxes<'py>(
     found(world.py(), hits, shape)
 }
 
-/// The bodies that meet a shape at poses, (..., 4, 4).
+/// Returns the bodies that intersect a shape at poses, (..., 4, 4).
 #[pyfunction]
 pub(crate) fn world_overlapping<'py>(
     world: &Bound<'py, WorldCore>,
@@ -143,7 +146,7 @@ pub(crate) fn world_overlapping<'py>(
     poses: &Bound<'py, PyAny>,
     layers: u32,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let probe = weighed(shape, "shape", false)?.shape;
+    let probe = read_shape(shape, "shape", false)?.shape;
     let (shape, poses) = poses::read_all(poses, "pose")?;
     let hits =
         ask(world, "pose", &shape, poses, move |world, pose: &Pose| world.overlapping(&probe, *pose, on(layers)))?;

@@ -1,4 +1,4 @@
-//! What a world was, in memory and as plain data that pickles.
+//! Saved states of a world, in memory and as plain data that can be pickled.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -19,23 +19,23 @@ use crate::errors::{Fault, message};
 use crate::mesh::MeshBase;
 use crate::motions::matrix;
 use crate::poses;
-use crate::shapes::weighed;
+use crate::shapes::read_shape;
 use crate::world_bodies::{BROAD_PHASES, KINDS, NARROW_PHASES, REALIGNMENTS, chosen};
 
-/// Of the data that a state pickles as; another one is refused.
+/// Version of the pickled data. Data of another version is rejected.
 const VERSION: u32 = 2;
 
-/// The proximity of pairs as data; what is apart is no pair that meets.
-const PROXIMITIES: [Option<Proximity>; 3] = [None, Some(Proximity::Meets), Some(Proximity::Undecided)];
+/// Proximities of pairs as data. Pairs that are apart have no proximity.
+const PROXIMITIES: [Option<Proximity>; 3] = [None, Some(Proximity::Intersects), Some(Proximity::Undecided)];
 
 const CHANGES: [Change; 4] = [Change::No, Change::Moved, Change::Place, Change::Traits];
 
-/// What a shape in a world is made of, for whoever makes it anew.
+/// Source of a shape in a world, from which the shape can be made again.
 #[derive(Clone)]
 pub(crate) enum Source {
-    /// Of an `impinge.Shape`, which never changes.
+    /// An `impinge.Shape`, which never changes.
     Object(Arc<Py<PyAny>>),
-    /// Of a mesh that the world itself refitted, and whether it is solid.
+    /// A mesh that the world itself refitted, and whether it is solid.
     Refitted(Mesh, bool),
 }
 
@@ -44,18 +44,18 @@ impl Source {
         Self::Object(Arc::new(shape.clone().unbind()))
     }
 
-    /// Of a shape that is a mesh.
+    /// Returns the source of a shape that is a mesh, or `None` for other shapes.
     pub(crate) fn of_mesh(shape: &Shape) -> Option<Self> {
         shape.as_mesh().map(|(mesh, is_solid)| Self::Refitted(mesh.clone(), is_solid))
     }
 }
 
-/// What the shapes of bodies are made of; a copy costs nothing until one of the two changes.
+/// Sources of the shapes of bodies. A copy is free until one of the two copies changes.
 #[derive(Clone, Default)]
 pub(crate) struct Shapes(Arc<Vec<Option<Source>>>);
 
 impl Shapes {
-    /// Of the body in its place: the high half of a handle.
+    /// Sets the source of a body's shape. The index is the high half of the body's handle.
     pub(crate) fn set(&mut self, body: BodyId, source: Option<Source>) {
         let (shapes, place) = (Arc::make_mut(&mut self.0), (body.to_bits() >> 32) as usize);
         if shapes.len() <= place {
@@ -69,7 +69,7 @@ impl Shapes {
     }
 }
 
-/// What a world was, as `World.save` returned it. It never changes, and pickles.
+/// State of a world that `World.save` returned. It never changes, and can be pickled.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct WorldState {
     snapshot: Snapshot,
@@ -82,7 +82,8 @@ impl WorldState {
         Self { snapshot: world.save(), shapes: shapes.clone(), options: *world.options() }
     }
 
-    /// Whether the world has the options of the one that was saved.
+    /// Restores the state. Returns `false` and changes nothing if the world has other options than
+    /// the saved one.
     #[must_use]
     pub(crate) fn restore(&self, world: &mut World, shapes: &mut Shapes) -> bool {
         let is_alike = *world.options() == self.options;
@@ -94,20 +95,22 @@ impl WorldState {
     }
 }
 
-/// The objects that shapes are made of, each once, and the number of that of each body.
+/// Table of shapes: the source of each shape, once, and the index of the shape of each body.
 type ShapeTable<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// Poses, (n, 4, 4), traits, (n, 5): kind, layers, layers met, what changed and how boxes are found; owners, (n,), whether there
-/// are any, (n,), and tags, (n,).
+/// Table of bodies: poses, (n, 4, 4); traits, (n, 5), which are kind, layers, layers to intersect,
+/// change and realignment; owners, (n,); whether there is an owner, (n,); and tags, (n,).
 type BodyTable<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// Handles, (p, 2), what was found, (p,), and the contacts as `contacts::columns` makes them.
+/// Table of pairs: handles, (p, 2), proximities, (p,), and the contacts as `contacts::columns`
+/// makes them.
 type PairTable<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// Handles, (n,), the numbers of all places, and the free ones.
+/// Table of places: handles, (n,), the generations of all places, and the free places.
 type Places<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// The version, the names of the options, and the tables; last the tags and handles of pairs that are gone, (d, 4).
+/// Data of a state: the version, the names of the options, and the tables. The last table has the
+/// tags and handles of pairs that are gone, (d, 4).
 type Data<'py> = (
     u32,
     (Bound<'py, PyAny>, Bound<'py, PyAny>),
@@ -120,12 +123,17 @@ type Data<'py> = (
 
 #[pymethods]
 impl WorldState {
-    /// Of what `data` returned.
+    /// Makes a state from the data that `data` returned.
     #[new]
     fn new(py: Python<'_>, data: Data<'_>) -> PyResult<Self> {
         let (version, (broad_phase, narrow_phase), places, shapes, bodies, pairs, departed) = data;
         if version != VERSION {
-            return Err(Fault::new("version", "state", format!("is of form {version}, not {VERSION}")).raised(py));
+            return Err(Fault::new(
+                "version",
+                "state",
+                format!("has version {version}, but version {VERSION} is expected: save it again"),
+            )
+            .raised(py));
         }
         let broken = |what: &str| Fault::new("state", "state", format!("{what} contradict each other")).raised(py);
         let options = Options {
@@ -137,7 +145,7 @@ impl WorldState {
         let objects: Vec<Bound<'_, PyAny>> = shapes.0.try_iter()?.collect::<PyResult<_>>()?;
         let made: Vec<(Source, Shape)> = objects
             .iter()
-            .map(|object| Ok((Source::object(object), weighed(object, "state", false)?.shape)))
+            .map(|object| Ok((Source::object(object), read_shape(object, "state", false)?.shape)))
             .collect::<PyResult<_>>()?;
         let shape_of: Vec<u32> = plain_column(&shapes.1)?;
         let traits = traits_of(&bodies)?;
@@ -147,7 +155,7 @@ impl WorldState {
         }
         let mut recorded = Vec::with_capacity(ids.len());
         let mut sources = Shapes::default();
-        // Bodies of one shape share what bounds them.
+        // Bodies of one shape share its bounds.
         let mut plain: HashMap<(u32, Realignment), Body> = HashMap::new();
         for (((id, shape), pose), (traits, change, way)) in ids.into_iter().zip(shape_of).zip(poses).zip(traits) {
             let (source, own) = made.get(shape as usize).ok_or_else(|| broken("the numbers of shapes"))?;
@@ -175,8 +183,8 @@ impl WorldState {
         Ok(Self { snapshot, shapes: sources, options })
     }
 
-    /// All of it, in arrays and the objects that shapes are made of: `impinge.Shape`, or a mesh without its Python class and
-    /// whether it is solid.
+    /// Returns all data, as arrays and the sources of shapes. A source is an `impinge.Shape`, or a
+    /// mesh without its Python class and whether it is solid.
     fn data<'py>(&self, py: Python<'py>) -> PyResult<Data<'py>> {
         let record = py.detach(|| self.snapshot.to_record());
         let bodies = &record.bodies;
@@ -222,12 +230,12 @@ impl WorldState {
         ))
     }
 
-    /// Itself: it never changes.
+    /// Returns itself, because a state never changes.
     fn __copy__(own: PyRef<'_, Self>) -> PyRef<'_, Self> {
         own
     }
 
-    /// Itself: it never changes.
+    /// Returns itself, because a state never changes.
     fn __deepcopy__<'py>(own: PyRef<'py, Self>, memo: &Bound<'py, PyAny>) -> PyRef<'py, Self> {
         let _ = memo;
         own
@@ -263,7 +271,7 @@ fn append(objects: &mut Bound<'_, PyList>, source: &Source) -> PyResult<()> {
     }
 }
 
-/// What the bodies of a table have to do with others, what of them changed, and how their boxes are found.
+/// Returns the traits, the change and the realignment of each body of a table.
 fn traits_of((_, traits, owners, owns, tags): &BodyTable<'_>) -> PyResult<Vec<(Traits, Change, Realignment)>> {
     let traits: Vec<u32> = plain_column(traits)?;
     let (owners, owns, tags): (Vec<u64>, Vec<bool>, Vec<u64>) =
@@ -279,7 +287,7 @@ fn traits_of((_, traits, owners, owns, tags): &BodyTable<'_>) -> PyResult<Vec<(T
     Ok(rows.map(of).collect())
 }
 
-/// The pairs of a table; none where its parts are not of the same number.
+/// Returns the pairs of a table, or `None` if its columns have different lengths.
 fn pairs_of((handles, found, contacts): &PairTable<'_>) -> PyResult<Option<Vec<RecordedPair>>> {
     let handles: Vec<u64> = plain_column(handles)?;
     let found: Vec<u32> = plain_column(found)?;
@@ -296,12 +304,12 @@ fn pairs_of((handles, found, contacts): &PairTable<'_>) -> PyResult<Option<Vec<R
     Ok(rows.iter().zip(found).zip(manifolds).map(of).collect())
 }
 
-/// Which of some values this is.
+/// Returns the index of a value, or 0 if it is not among the known values.
 fn place<T: PartialEq>(values: &[T], value: T) -> u32 {
     values.iter().position(|known| *known == value).unwrap_or(0) as u32
 }
 
-/// What Python calls a value.
+/// Returns the name of a value in Python.
 fn name<'py, T: PartialEq>(py: Python<'py>, values: &[(&str, T)], value: T) -> PyResult<Bound<'py, PyAny>> {
     let found = values.iter().find(|(_, known)| *known == value);
     Ok(found.map_or("", |(name, _)| name).into_pyobject(py)?.into_any())

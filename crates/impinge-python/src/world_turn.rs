@@ -1,4 +1,4 @@
-//! Turns at a world, one call after another, and what whoever has one may look at and change.
+//! Turns at a world. One call at a time has the turn, and may read and change the world.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
@@ -7,17 +7,18 @@ use impinge::world::World;
 use crate::workers;
 use crate::world_state::Shapes;
 
-/// A world that calls take turns at. They wait for theirs before they go to the pool of threads, never in it: a thread that
-/// steps may take up other work of the pool while it waits, which must not wait for that step.
+/// A world that calls use in turns. A call waits for its turn before it goes to the pool of
+/// threads, never in the pool. A thread of the pool that waits within a step may start other work
+/// of the pool, and that work must not wait for the step.
 pub(crate) struct Shared {
     world: RwLock<World>,
-    /// For whoever has a turn.
+    /// Sources of the shapes; only the call that has the turn uses them.
     shapes: Mutex<Shapes>,
     is_taken: Mutex<bool>,
     freed: Condvar,
 }
 
-/// A call's turn, which ends where this is dropped.
+/// Turn of a call. It ends when this value is dropped.
 pub(crate) struct Turn(Arc<Shared>);
 
 impl Turn {
@@ -47,7 +48,7 @@ impl Shared {
         Self { world, shapes, is_taken: Mutex::new(false), freed: Condvar::new() }
     }
 
-    /// Waits for a turn, for a while; none where it did not come.
+    /// Waits for a turn for a limited time. Returns `None` if the turn did not come.
     pub(crate) fn take(self: &Arc<Self>) -> Option<Turn> {
         let is_taken = self.is_taken.lock().unwrap_or_else(PoisonError::into_inner);
         let waited = self.freed.wait_timeout_while(is_taken, workers::LISTENING_INTERVAL, |is_taken| *is_taken);

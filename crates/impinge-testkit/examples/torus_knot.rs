@@ -1,5 +1,7 @@
-//! Writes the torus knot of 2,000,000 triangles of the headline benchmark as a PLY file in single precision:
-//! `cargo run --release -p impinge-testkit --example torus_knot -- OUT.ply`.
+//! Writes the torus knot of 2,000,000 triangles of the headline benchmark as a PLY file in single
+//! precision.
+//!
+//! Run with `cargo run --release -p impinge-testkit --example torus_knot -- OUT.ply`.
 
 use std::error::Error;
 use std::fs::{self, File};
@@ -15,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let knot = torus_knot(2000, 500, TREFOIL);
     let single = knot.vertices.iter().map(|vertex| vertex.map(|x| x as f32)).collect();
-    // Renamed when it is whole, so that a run cut short leaves nothing that looks like the knot.
+    // The file is renamed when it is complete, so that an interrupted run leaves no partial knot.
     let unfinished = path.with_extension("unfinished");
     impinge_files::write_ply(File::create(&unfinished)?, &Positions::F32(single), &knot.faces)?;
     fs::rename(&unfinished, &path)?;

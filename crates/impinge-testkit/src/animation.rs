@@ -1,5 +1,7 @@
-//! Recorded animations: the vertices of one mesh in one frame after the other, as NumPy's `.npz` keeps them. They are no part
-//! of this repository, but are read from `animation` in the folder that the variable `IMPINGE_DATA` names.
+//! Recorded animations: the vertices of one mesh in consecutive frames, stored as NumPy's `.npz`.
+//!
+//! The recordings are not part of this repository. They are read from `animation` in the folder
+//! that the environment variable `IMPINGE_DATA` names.
 
 use std::fs::File;
 use std::io::Read;
@@ -9,15 +11,15 @@ use zip::ZipArchive;
 
 use crate::read_error::ReadError;
 
-/// The recordings that there are, by the names of their files.
+/// File names of the recordings.
 pub const ANIMATIONS: [&str; 2] = ["anim_robot_cc0.npz", "anim_makehuman_morph.npz"];
 
-/// A mesh that deforms.
+/// Mesh that deforms.
 #[derive(Clone, Debug)]
 pub struct Animation {
-    /// The vertices in each frame, as many in each.
+    /// Vertices in each frame. Every frame has the same number.
     pub frames: Vec<Vec<[f32; 3]>>,
-    /// Three vertices per triangle.
+    /// Vertex indices of each triangle.
     pub faces: Vec<[u32; 3]>,
 }
 
@@ -25,8 +27,8 @@ impl Animation {
     /// Reads a recording from the data folder.
     ///
     /// # Errors
-    /// Where it cannot be read, or its arrays are not `frames`, of shape (t, v, 3) and type `<f4`, and `faces`, of shape
-    /// (m, 3) and type `<u4`.
+    /// Returns an error if the file cannot be read, or if its arrays are not `frames`, of shape (t,
+    /// v, 3) and type `<f4`, and `faces`, of shape (m, 3) and type `<u4`.
     pub fn read(data: &Path, name: &str) -> Result<Self, ReadError> {
         let path = data.join("animation").join(name);
         let error = |message: &str| ReadError::new(&path, message);
@@ -47,7 +49,8 @@ impl Animation {
     }
 }
 
-/// The shape and the words of an array in NumPy's format, version 1, of rows one after the other.
+/// Returns the shape and the 4-byte elements of an array in version 1 of NumPy's format, in
+/// row-major order. Returns `None` if the format or the type differs.
 fn words(bytes: &[u8], dtype: &str) -> Option<(Vec<usize>, Vec<[u8; 4]>)> {
     let length = u16::from_le_bytes(*bytes.get(8..)?.first_chunk()?) as usize;
     let header = std::str::from_utf8(bytes.get(10..10 + length)?).ok()?;

@@ -1,33 +1,33 @@
-//! The corpus of cases with known answers, `cases/*.toml`, that every engine and language answers.
+//! Corpus of cases with known answers, `cases/*.toml`, which every engine and language must answer.
 //!
-//! A file names meshes and asks about them:
+//! A file names meshes and lists queries about them:
 //!
 //! ```toml
 //! [mesh.floor]                       # inline ...
-//! precision = "f32"                  # f64 unless said; coordinates are read as f64, scaled, then rounded
+//! precision = "f32"                  # default: f64; coordinates are read as f64, scaled, then rounded
 //! vertices = [[0, 0, 0], [4, 0, 0], [0, 4, 0]]
 //! faces = [[0, 1, 2]]
 //!
 //! [mesh.sphere]                      # ... or generated
-//! scale = 1e-3                       # 1 unless said
+//! scale = 1e-3                       # default: 1
 //! generator = { icosphere = { subdivisions = 4 } }
 //!
 //! [[case]]
-//! id = "floor-under-sphere"          # of its own in the whole corpus
-//! source = "closed form"             # whose fact it is
+//! id = "floor-under-sphere"          # unique in the corpus
+//! source = "closed form"             # origin of the answer
 //! a = "floor"
 //! b = "sphere"
-//! pose_a = [0, 0, -1.5]              # world from local: a translation, or the three rows of a 3x4 matrix; identity unless said
+//! pose_a = [0, 0, -1.5]              # world from local: a translation, or 3 rows of a 3x4 matrix
 //! pose_b = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]
-//! intersects = false                 # one of: intersects; pairs, all of them, sorted; pair_count
+//! intersects = false                 # one of: intersects; pairs (all, sorted); pair_count
 //!
-//! [[distance]]                       # the same but for the answer
+//! [[distance]]                       # the same, with another answer
 //! id = "floor-to-sphere"
 //! source = "closed form"
 //! a = "floor"
 //! b = "sphere"
-//! distance = 0.5                     # of the surfaces
-//! tolerance = 1e-9                   # how far off the stated number may be; 0 unless said
+//! distance = 0.5                     # between the surfaces
+//! tolerance = 1e-9                   # maximum error of the stated number; default: 0
 //! ```
 
 use crate::generate::{Rng, knots, solids};
@@ -37,35 +37,35 @@ use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// A question about two posed meshes, and its answer.
+/// Query about two posed meshes, and its answer.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// A name of its own in the whole corpus.
+    /// Identifier, unique in the corpus.
     pub id: String,
-    /// Whose fact it is.
+    /// Origin of the answer.
     pub source: String,
-    /// The first mesh.
+    /// First mesh.
     pub a: Stored,
-    /// The second mesh.
+    /// Second mesh.
     pub b: Stored,
-    /// Pose of the first.
+    /// Pose of the first mesh.
     pub world_from_a: Affine,
-    /// Pose of the second.
+    /// Pose of the second mesh.
     pub world_from_b: Affine,
-    /// What every engine must answer.
+    /// Answer that every engine must give.
     pub expected: Expected,
 }
 
-/// A mesh and the format that it is to be handed over in.
+/// Mesh, and the precision in which an engine receives it.
 #[derive(Clone, Debug)]
 pub struct Stored {
-    /// The mesh; where `precision` is f32, every coordinate is one.
+    /// Mesh. If `precision` is f32, every coordinate is an f32 number.
     pub mesh: Mesh,
-    /// How its coordinates are stored.
+    /// Precision of its coordinates.
     pub precision: Precision,
 }
 
-/// How coordinates are stored.
+/// Precision of stored coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Precision {
@@ -76,42 +76,42 @@ pub enum Precision {
     F64,
 }
 
-/// The answer, and by its kind the question.
+/// Answer of a case. Its kind determines the query.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Expected {
-    /// Whether any two faces meet.
+    /// Whether any two faces intersect.
     Intersects(bool),
-    /// All meeting (face of a, face of b), sorted.
+    /// All intersecting pairs (face of a, face of b), sorted.
     Pairs(Vec<(u32, u32)>),
-    /// How many pairs meet.
+    /// Number of intersecting pairs.
     PairCount(usize),
 }
 
-/// A question about the distance of two posed meshes, and its answer.
+/// Query for the distance of two posed meshes, and its answer.
 #[derive(Clone, Debug)]
 pub struct DistanceCase {
-    /// A name of its own among the distances of the whole corpus.
+    /// Identifier, unique among the distances of the corpus.
     pub id: String,
-    /// Whose fact it is.
+    /// Origin of the answer.
     pub source: String,
-    /// The first mesh.
+    /// First mesh.
     pub a: Stored,
-    /// The second mesh.
+    /// Second mesh.
     pub b: Stored,
-    /// Pose of the first.
+    /// Pose of the first mesh.
     pub world_from_a: Affine,
-    /// Pose of the second.
+    /// Pose of the second mesh.
     pub world_from_b: Affine,
-    /// The distance of the surfaces, zero where they meet.
+    /// Distance of the surfaces, which is zero if they intersect.
     pub distance: f64,
-    /// How far off that number may be.
+    /// Maximum error of `distance`.
     pub tolerance: f64,
 }
 
-/// The cases of every `*.toml` in a folder, by file name and then in the order of the file.
+/// Reads the cases of every `*.toml` in a folder, by file name and then in the order of the file.
 ///
 /// # Errors
-/// Where a file cannot be read or does not follow the format, or two cases have one id.
+/// Returns an error if a file cannot be read or is invalid, or if two cases have the same id.
 pub fn read_folder(folder: &Path) -> Result<Vec<Case>, ReadError> {
     let mut cases = Vec::new();
     let mut ids = BTreeSet::new();
@@ -126,7 +126,7 @@ pub fn read_folder(folder: &Path) -> Result<Vec<Case>, ReadError> {
     Ok(cases)
 }
 
-/// Every `*.toml` in a folder, by name.
+/// Reads every `*.toml` in a folder, by name.
 fn files(folder: &Path) -> Result<Vec<(PathBuf, File)>, ReadError> {
     let mut paths: Vec<PathBuf> = std::fs::read_dir(folder)
         .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect())
@@ -140,18 +140,18 @@ fn files(folder: &Path) -> Result<Vec<(PathBuf, File)>, ReadError> {
     paths.into_iter().map(read).collect()
 }
 
-/// The cases of this repository.
+/// Reads the cases of this repository.
 ///
 /// # Errors
-/// As [`read_folder`].
+/// Returns an error if [`read_folder`] would.
 pub fn corpus() -> Result<Vec<Case>, ReadError> {
     read_folder(&own_folder())
 }
 
-/// The distances of this repository.
+/// Reads the distances of this repository.
 ///
 /// # Errors
-/// As [`read_folder`].
+/// Returns an error if [`read_folder`] would.
 pub fn distances() -> Result<Vec<DistanceCase>, ReadError> {
     let mut cases: Vec<DistanceCase> = Vec::new();
     for (path, file) in files(&own_folder())? {
@@ -267,7 +267,7 @@ impl MeshEntry {
         let mesh = match (self.vertices, self.faces, self.generator) {
             (Some(vertices), Some(faces), None) => Mesh { vertices, faces },
             (None, None, Some(generator)) => generator.mesh(),
-            _ => return Err("wants either vertices and faces or a generator".into()),
+            _ => return Err("needs either vertices and faces, or a generator".into()),
         };
         if mesh.faces.iter().flatten().any(|&i| i as usize >= mesh.vertices.len()) {
             return Err("a face has an index past the vertices".into());
@@ -301,7 +301,7 @@ impl CaseEntry {
             (Some(answer), None, None) => Expected::Intersects(answer),
             (None, Some(pairs), None) => Expected::Pairs(pairs),
             (None, None, Some(count)) => Expected::PairCount(count),
-            _ => return Err(format!("case {:?}: wants one of intersects, pairs and pair_count", self.id)),
+            _ => return Err(format!("case {:?}: needs one of intersects, pairs and pair_count", self.id)),
         };
         Ok(Case {
             a: mesh(&self.a)?,
@@ -343,7 +343,7 @@ impl PoseEntry {
 }
 
 impl Expected {
-    /// The answer of this kind that a sorted list of all meeting pairs amounts to.
+    /// Returns the answer of this kind that follows from a sorted list of all intersecting pairs.
     pub fn of_pairs(&self, pairs: &[(u32, u32)]) -> Self {
         match self {
             Self::Intersects(_) => Self::Intersects(!pairs.is_empty()),
@@ -359,7 +359,7 @@ mod tests {
     use crate::oracle::{brute_force, grid};
 
     #[test]
-    fn every_expected_answer_is_the_oracles() {
+    fn every_expected_answer_is_that_of_the_oracles() {
         let cases = corpus().unwrap_or_else(|error| panic!("{error}"));
         assert!(cases.len() >= 60, "{}", cases.len());
         let wrong: Vec<String> = cases
@@ -374,17 +374,17 @@ mod tests {
             .collect();
         assert!(wrong.is_empty(), "{}", wrong.concat());
         let met = cases.iter().filter(|case| case.expected.of_pairs(&[]) != case.expected).count();
-        assert!((cases.len() * 3 / 10..cases.len() * 7 / 10).contains(&met), "{met} of {} meet", cases.len());
+        assert!((cases.len() * 3 / 10..cases.len() * 7 / 10).contains(&met), "{met} of {} intersect", cases.len());
     }
 
     #[test]
-    fn mistakes_are_named() {
+    fn mistakes_in_files_are_reported() {
         let mesh = "[mesh.m]\nvertices = [[0, 0, 0]]\nfaces = [[0, 0, 0]]\n";
         let case = "[[case]]\nid = 'x'\nsource = ''\na = 'm'\nb = 'm'\n";
         let message = |text: String| parse(&text).and_then(File::cases).err().unwrap_or_default();
         assert_eq!(message(format!("{mesh}{case}intersects = true\n")), "");
-        assert!(message(format!("{mesh}{case}")).contains("wants one of intersects, pairs and pair_count"));
-        assert!(message(format!("{mesh}{case}intersects = true\npair_count = 1")).contains("wants one of"));
+        assert!(message(format!("{mesh}{case}")).contains("needs one of intersects, pairs and pair_count"));
+        assert!(message(format!("{mesh}{case}intersects = true\npair_count = 1")).contains("needs one of"));
         assert!(message(format!("{mesh}{case}intersect = true\n")).contains("intersect"));
         let absent = format!("{mesh}{}intersects = true", case.replace("b = 'm'", "b = 'n'"));
         assert!(message(absent).contains("there is no mesh \"n\""));

@@ -1,8 +1,9 @@
-//! Recorded queries of continuous collision, with their true answers.
+//! Recorded queries of continuous collision detection, with their true answers.
 //!
-//! They are those of Wang and others (*A Large Scale Benchmark and an Inclusion-Based Algorithm for Continuous
-//! Collision Detection*, ACM TOG 40(5), 2021), read from `ccd/` in the folder that the variable `IMPINGE_DATA` names:
-//! eight rows a query, three rational coordinates and the answer in each row. All of them are floats.
+//! They are from Wang and others (*A Large Scale Benchmark and an Inclusion-Based Algorithm for
+//! Continuous Collision Detection*, ACM TOG 40(5), 2021). They are read from `ccd/` in the folder
+//! that the environment variable `IMPINGE_DATA` names. Each query has eight rows, each with three
+//! rational coordinates and the answer. All coordinates are floats.
 
 use std::path::Path;
 
@@ -15,29 +16,29 @@ use crate::read_error::read_text;
 /// Four corners at both ends of a linear motion: a vertex and a face, or two edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Query {
-    /// Which corners belong together.
+    /// Kind of the query: which corners belong together.
     pub kind: QueryKind,
-    /// Corners at the start: a vertex and three of a face, or two of an edge and two of another.
+    /// Corners at the start: a vertex and three corners of a face, or the ends of two edges.
     pub t0: [[f64; 3]; 4],
-    /// Corners at the end.
+    /// Corners at the end, in the same order.
     pub t1: [[f64; 3]; 4],
-    /// Whether they touch at some time, as the authors found in rational arithmetic.
+    /// Whether they touch at some time, according to the authors' rational arithmetic.
     pub touches: bool,
 }
 
-/// What moves in a [`Query`].
+/// Kind of a [`Query`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QueryKind {
-    /// A vertex, then the corners of a face.
+    /// A vertex, followed by the corners of a face.
     VertexFace,
     /// Two edges.
     EdgeEdge,
 }
 
-/// The queries of one file.
+/// Reads the queries of one file.
 ///
 /// # Errors
-/// Where it cannot be read, or a row is not as described.
+/// Returns an error if the file cannot be read or has a row in another format.
 pub fn read(path: &Path, kind: QueryKind) -> Result<Vec<Query>, ReadError> {
     let text = read_text(path)?;
     let rows: Option<Vec<([f64; 3], bool)>> = text.lines().map(row).collect();
@@ -53,10 +54,10 @@ pub fn read(path: &Path, kind: QueryKind) -> Result<Vec<Query>, ReadError> {
     Ok(queries.iter().map(query).collect())
 }
 
-/// The queries of every file of that kind, folder by folder in the order of their names.
+/// Reads the queries of every file of one kind. Folders are in the order of their names.
 ///
 /// # Errors
-/// As [`read`].
+/// Returns an error if [`read`] does.
 pub fn read_all(data: &Path, kind: QueryKind) -> Result<Vec<(String, Vec<Query>)>, ReadError> {
     let folder = match kind {
         QueryKind::VertexFace => "vertex-face",

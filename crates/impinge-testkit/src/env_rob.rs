@@ -1,9 +1,11 @@
-//! 250 recorded poses of one real mesh against another, with the exact number of intersecting pairs of each.
+//! 250 recorded poses of one mesh against another, with the exact number of intersecting pairs of
+//! each.
 //!
-//! The meshes are `env.obj` (2,180 triangles) and `rob.obj` (216) of FCL's tests; they are not part of this repository, but
-//! are read from the folder that the variable `IMPINGE_DATA` names, below `nasty/fcl_resources` and `oracle`. Here a pose
-//! is *baked* before the question: the vertices of env are moved in f64, `((r0*x + r1*y) + r2*z) + t` without fused
-//! operations, and what is asked is asked about the moved vertices.
+//! The meshes are `env.obj` (2,180 triangles) and `rob.obj` (216 triangles) of FCL's tests. They
+//! are not part of this repository. They are read from the folder that the environment variable
+//! `IMPINGE_DATA` names, below `nasty/fcl_resources` and `oracle`. Here a pose is *baked* before
+//! the query: the vertices of env are moved in f64, `((r0*x + r1*y) + r2*z) + t` without fused
+//! operations, and the query is about the moved vertices.
 
 use crate::read_error::{ReadError, read_text};
 use crate::{Affine, Mesh};
@@ -11,41 +13,43 @@ use sha2::{Digest, Sha256};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The meshes and the recorded poses.
+/// Both meshes and the recorded poses.
 #[derive(Clone, Debug)]
 pub struct EnvRob {
-    /// The mesh that moves.
+    /// Mesh that moves.
     pub env: Mesh,
-    /// The mesh that stands still.
+    /// Mesh at rest.
     pub rob: Mesh,
-    /// What was recorded.
+    /// Recorded poses and answers.
     pub rows: Vec<Row>,
 }
 
-/// One recorded pose.
+/// One recorded pose and its answers.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// The pose that env's vertices are baked with.
+    /// Pose by which the vertices of env are baked.
     pub world_from_env: Affine,
-    /// The exact number of meeting pairs.
+    /// Exact number of intersecting pairs.
     pub pair_count: usize,
-    /// The [`pairs_digest`] of the pairs (face of env, face of rob).
+    /// [`pairs_digest`] of the pairs (face of env, face of rob).
     pub pairs_digest: String,
-    /// The distance that Coal computes, 0 where it says that they meet.
+    /// Distance computed by Coal. It is 0 if Coal reports an intersection.
     pub coal_distance: f64,
 }
 
-/// The folder that `IMPINGE_DATA` names. Where it names none, says on standard error that what asks is skipped.
+/// Returns the folder that `IMPINGE_DATA` names. If the variable is not set, writes to standard
+/// error that the caller is skipped.
 pub fn data_folder() -> Option<PathBuf> {
     let folder = std::env::var_os("IMPINGE_DATA").map(PathBuf::from);
     if folder.is_none() {
-        // Nothing depends on whether anybody hears it.
+        // A failed write to standard error is ignored.
         writeln!(std::io::stderr(), "skipped: IMPINGE_DATA names no folder of extra data").ok();
     }
     folder
 }
 
-/// The first 16 hexadecimal digits of the SHA-256 of the text `i,j;i,j;…` over the pairs in the order given.
+/// Returns the first 16 hexadecimal digits of the SHA-256 of the text `i,j;i,j;…` over the pairs,
+/// in the given order.
 pub fn pairs_digest(pairs: &[(u32, u32)]) -> String {
     let texts: Vec<String> = pairs.iter().map(|(i, j)| format!("{i},{j}")).collect();
     Sha256::digest(texts.join(";")).iter().take(8).map(|byte| format!("{byte:02x}")).collect()
@@ -55,7 +59,7 @@ impl EnvRob {
     /// Reads the two meshes and the table from the data folder.
     ///
     /// # Errors
-    /// Where a file cannot be read or a line of it cannot be understood.
+    /// Returns an error if a file cannot be read or a line of it is invalid.
     pub fn read(data: &Path) -> Result<Self, ReadError> {
         let meshes = data.join("nasty/fcl_resources");
         Ok(Self {
@@ -65,7 +69,7 @@ impl EnvRob {
         })
     }
 
-    /// Env with its vertices moved and rounded as the table's answers suppose.
+    /// Returns env with its vertices moved and rounded as in the table.
     pub fn baked_env(&self, row: &Row) -> Mesh {
         Mesh {
             vertices: self.env.vertices.iter().map(|&v| row.world_from_env.apply_rounded(v)).collect(),
@@ -78,11 +82,12 @@ fn read_with<T>(path: &Path, parse: fn(&str) -> Result<T, String>) -> Result<T, 
     parse(&read_text(path)?).map_err(|message| ReadError::new(path, message))
 }
 
-/// Vertices and faces of plain indices, polygons cut into fans; the first line is a count and is skipped.
+/// Parses vertices and faces of plain indices. Polygons are cut into fans, and the first line, a
+/// count, is skipped.
 fn parse_obj(text: &str) -> Result<Mesh, String> {
     let mut mesh = Mesh::default();
     for (number, line) in text.lines().enumerate().skip(1) {
-        let wrong = || format!("line {}: not understood: {line:?}", number + 1);
+        let wrong = || format!("line {}: cannot be parsed: {line:?}", number + 1);
         let mut words = line.split_whitespace();
         match words.next() {
             Some("v") => {
@@ -107,7 +112,7 @@ fn parse_rows(text: &str) -> Result<Vec<Row>, String> {
     text.lines()
         .enumerate()
         .skip(1)
-        .map(|(number, line)| parse_row(line).ok_or_else(|| format!("line {}: not understood: {line:?}", number + 1)))
+        .map(|(number, line)| parse_row(line).ok_or_else(|| format!("line {}: cannot be parsed: {line:?}", number + 1)))
         .collect()
 }
 
@@ -124,7 +129,7 @@ fn parse_row(line: &str) -> Option<Row> {
     })
 }
 
-/// A normal number or zero as C and Python write it: `-0x1.811b37f940278p-4`.
+/// Parses a normal number or zero as written by C and Python: `-0x1.811b37f940278p-4`.
 fn parse_hex_float(text: &str) -> Option<f64> {
     let (sign, digits) = text.strip_prefix('-').map_or((1.0, text), |rest| (-1.0, rest));
     let (mantissa, exponent) = digits.strip_prefix("0x")?.split_once('p')?;
@@ -141,7 +146,7 @@ mod tests {
     use crate::oracle::{brute_force, grid};
 
     #[test]
-    fn hex_floats() {
+    fn hex_floats_are_parsed() {
         assert_eq!(parse_hex_float("0x1.999999999999ap-4"), Some(0.1));
         assert_eq!(parse_hex_float("-0x1.6a9ab1a89391ep+11"), Some(-2900.8341868288253));
         assert_eq!(parse_hex_float("0x0.0p+0"), Some(0.0));
@@ -149,14 +154,14 @@ mod tests {
     }
 
     #[test]
-    fn digests() {
+    fn digests_are_those_of_sha256sum() {
         // echo -n "" | sha256sum; echo -n "1,2;30,4" | sha256sum
         assert_eq!(pairs_digest(&[]), "e3b0c44298fc1c14");
         assert_eq!(pairs_digest(&[(1, 2), (30, 4)]), "db30758451f6e333");
     }
 
     #[test]
-    fn objects() {
+    fn objects_are_parsed_and_errors_name_the_line() {
         let mesh = parse_obj("9 9\r\nv 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 1 .5\r\n\r\nf 1 2 3 4\r\n");
         assert_eq!(mesh.map(|mesh| (mesh.vertices[3], mesh.faces)), Ok(([0.0, 1.0, 0.5], vec![[0, 1, 2], [0, 2, 3]])));
         for (wrong, line) in
@@ -173,7 +178,7 @@ mod tests {
         assert_eq!([set.env.faces.len(), set.rob.faces.len(), set.rows.len()], [2_180, 216, 250]);
         let hits = set.rows.iter().filter(|row| row.pair_count > 0).count();
         assert!((75..175).contains(&hits), "{hits}");
-        // Every thirteenth, so that some meet and some do not.
+        // Every 13th row, so that some intersect and some do not.
         for row in set.rows.iter().step_by(13) {
             let (env, rob) = (set.baked_env(row), set.rob.at(Affine::IDENTITY));
             let pairs = grid(env.at(Affine::IDENTITY), rob);
@@ -187,7 +192,8 @@ mod tests {
         );
     }
 
-    /// `IMPINGE_DATA=... cargo test --release -p impinge-testkit whole_table -- --ignored`
+    /// Run with `IMPINGE_DATA=... cargo test --release -p impinge-testkit whole_table --
+    /// --ignored`.
     #[test]
     #[ignore = "all 250 rows"]
     fn the_whole_table_agrees_with_the_oracle() {

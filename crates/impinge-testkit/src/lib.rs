@@ -1,11 +1,13 @@
-//! Generators and oracles that the tests and benchmarks of impinge share.
+//! Generators and oracles for the tests and benchmarks of impinge.
 //!
-//! Nothing here uses the library that it judges: a mesh is two plain arrays, a pose is nine and three numbers, and every
-//! decision is made in exact integers by methods that the library does not use. What is generated is the same, byte for
-//! byte, on every machine: no platform mathematics library and no thread takes part.
+//! Nothing here uses the library under test: a mesh is two plain arrays, a pose is 9 + 3 numbers,
+//! and every decision is made in exact integers by methods that the library does not use. Generated
+//! data is the same, byte for byte, on every machine: neither the platform's mathematics library
+//! nor threads are involved.
 //!
-//! - [`generate`] makes meshes and tie-heavy pairs of triangles.
-//! - [`oracle`](mod@oracle) answers which triangles intersect, slowly and exactly (feature `oracles`, on by default).
+//! - [`generate`] makes meshes and pairs of triangles with many ties.
+//! - [`oracle`](mod@oracle) decides which triangles intersect, slowly and exactly (feature
+//!   `oracles`, on by default).
 
 #[cfg(feature = "oracles")]
 pub mod animation;

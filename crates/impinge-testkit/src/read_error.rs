@@ -1,14 +1,14 @@
-//! What is wrong with a file that was to be read.
+//! Error of reading a file.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// A file of cases or data that cannot be read.
+/// Error of reading a file of cases or data.
 #[derive(Debug)]
 pub struct ReadError {
-    /// The file or folder.
+    /// File or folder that could not be read.
     pub path: PathBuf,
-    /// What is wrong with it, and where.
+    /// Description of the error and its place.
     pub message: String,
 }
 
@@ -18,7 +18,7 @@ impl ReadError {
     }
 }
 
-/// The text of a file.
+/// Reads the text of a file.
 pub(crate) fn read_text(path: &Path) -> Result<String, ReadError> {
     std::fs::read_to_string(path).map_err(|error| ReadError::new(path, error))
 }

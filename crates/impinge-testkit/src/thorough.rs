@@ -1,4 +1,4 @@
-//! How long the random tests run.
+//! Number of rounds of random tests.
 
 /// Name of the environment variable that multiplies the rounds of random tests.
 const THOROUGH: &str = "IMPINGE_THOROUGH";

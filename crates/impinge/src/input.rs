@@ -124,7 +124,7 @@ impl InputError {
     ///
     /// # Errors
     /// If a number is NaN or infinite, or its magnitude exceeds 2^300.
-    pub(crate) fn judge_row(row: &[f64; 3], what: &'static str, index: usize) -> Result<(), Self> {
+    pub(crate) fn validate_row(row: &[f64; 3], what: &'static str, index: usize) -> Result<(), Self> {
         const LIMIT: f64 = f64::from_bits((1023 + 300) << 52);
         if !row.iter().all(|x| x.is_finite()) {
             return Err(Self::new(InputErrorKind::NonFinite { what, index }));

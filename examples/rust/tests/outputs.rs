@@ -1,11 +1,13 @@
-//! Every program prints what its file in `examples/expected` holds. `python/tests/test_examples.py` compares the programs in
-//! Python with the same files, so the two languages print the same bytes.
+//! Checks that every program prints the content of its file in `examples/expected`.
+//!
+//! `python/tests/test_examples.py` compares the programs in Python with the same files, so both
+//! languages print the same bytes.
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Makes a test of each program, which Cargo has built before.
+/// Makes a test for each program. Cargo builds the programs before.
 macro_rules! tests {
     ($($name:ident),*) => {
         mod prints_what_is_expected {

@@ -1,11 +1,12 @@
-//! Circles: files of one module that need each other, directly or by way of others.
+//! Circles: files of one module that import from each other, directly or through others.
 //!
-//! The children of a module, each a file or a folder with all below it, and the file of the module
-//! itself are the nodes of a graph. An import from below one node that names something defined below
-//! another is an edge. A re-export is none: the file of a module may hand on whatever its children
-//! define. A crate whose modules have no circle has none between any of its files.
+//! The children of a module, each a file or a folder with everything below it, and the file of the
+//! module itself are the nodes of a graph. An import from below one node that names an item defined
+//! below another node is an edge. A re-export is no edge: the file of a module may re-export the
+//! items of its children. If no module of a crate has a circle, no circle exists between any of its
+//! files.
 //!
-//! A method that is called by its name alone is not imported, so such a need is not seen.
+//! A method that is called by its name alone is not imported, so such a dependency is not found.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::Path;
@@ -15,17 +16,17 @@ use super::imports::Import;
 use super::paths::Names;
 use crate::sources::Violation;
 
-/// Imports from one child of a module to another, the first of each pair, by the names of both
-/// children. An empty name is the file of the module itself.
+/// First import from each child of a module to each other child, by the names of both children. An
+/// empty name is the file of the module itself.
 #[derive(Default)]
 struct Graph<'a> {
     edges: BTreeMap<Edge<'a>, (&'a SourceFile, &'a Import)>,
 }
 
-/// The names of two children of one module, of which the first imports from the second.
+/// Names of two children of one module. The first imports from the second.
 type Edge<'a> = (&'a str, &'a str);
 
-/// Returns a violation for every circle inside a module; files are shown relative to `root`.
+/// Returns a violation for every circle inside a module. Files are shown relative to `root`.
 pub(super) fn check(files: &[SourceFile], root: &Path) -> Vec<Violation> {
     let graphs = graphs(files);
     let circles =
@@ -33,7 +34,8 @@ pub(super) fn check(files: &[SourceFile], root: &Path) -> Vec<Violation> {
     circles.map(|(module, graph, circle)| violation(files, root, module, graph, &circle)).collect()
 }
 
-/// Returns the graph of each module whose children import from each other, by the path of the module.
+/// Returns the graph of each module whose children import from each other, by the path of the
+/// module.
 fn graphs(files: &[SourceFile]) -> BTreeMap<&[String], Graph<'_>> {
     let names = Names::of(files);
     let mut graphs: BTreeMap<&[String], Graph<'_>> = BTreeMap::new();
@@ -43,7 +45,7 @@ fn graphs(files: &[SourceFile]) -> BTreeMap<&[String], Graph<'_>> {
             let Some(target) = names.home(&import.path) else { continue };
             let (from, to) = (&file.module, &files[target].module);
             let shared = from.iter().zip(to).take_while(|(a, b)| a == b).count();
-            // The order of the top modules is checked elsewhere.
+            // The order of the top modules is checked in `modules.rs`.
             if from != to && shared > 0 {
                 let child = [from, to].map(|module| module.get(shared).map_or("", String::as_str));
                 graphs.entry(&from[..shared]).or_default().edges.entry(child.into()).or_insert((file, import));
@@ -78,14 +80,14 @@ fn violation(
     Violation { file: shown(file), line: import.line, what }
 }
 
-/// Name of a child's file, or of its folder if the file is called `mod.rs`.
+/// Returns the name of a child's file, or of its folder if the file is called `mod.rs`.
 fn name_of(file: &Path, child: &str) -> String {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     if name == "mod.rs" && !child.is_empty() { child.to_owned() } else { name.into_owned() }
 }
 
 impl<'a> Graph<'a> {
-    /// Returns, for each edge that lies on a circle, a shortest circle through it; each circle once.
+    /// Returns a shortest circle through each edge that lies on a circle. Each circle occurs once.
     fn circles(&self) -> Vec<Vec<Edge<'a>>> {
         let mut found = BTreeSet::new();
         for &(from, to) in self.edges.keys() {
@@ -126,7 +128,7 @@ mod tests {
     use super::*;
     use crate::layers::files;
 
-    /// The circles of a crate of these files.
+    /// Returns the circles of a crate with the given files.
     fn found(sources: &[(&str, &str)]) -> Vec<String> {
         let root = tempfile::tempdir().unwrap();
         for (name, text) in sources {
@@ -138,7 +140,7 @@ mod tests {
         check(&files, root.path()).iter().map(ToString::to_string).collect()
     }
 
-    /// The circles of a module `house` whose files are these and whose `mod.rs` is `map`.
+    /// Returns the circles of a module `house` with the given files. Its `mod.rs` is `map`.
     fn found_in_house(map: &str, sources: &[(&str, &str)]) -> Vec<String> {
         let named: Vec<(String, &str)> = sources.iter().map(|(name, text)| (format!("house/{name}"), *text)).collect();
         let others = named.iter().map(|(name, text)| (name.as_str(), *text));

@@ -1,4 +1,4 @@
-//! The source files of one crate, found by following the `mod` lines from its `lib.rs`.
+//! Source files of one crate, found by following the `mod` lines from its `lib.rs`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,19 +7,19 @@ use anyhow::{Context, Result};
 
 use super::imports::Imports;
 
-/// One source file of a crate.
+/// Source file of a crate.
 pub(super) struct SourceFile {
     /// Path of the file.
     pub(super) path: PathBuf,
     /// Path of its module from the root of the crate; empty for `lib.rs`.
     pub(super) module: Vec<String>,
-    /// The parsed source.
+    /// Parsed source.
     pub(super) syntax: syn::File,
-    /// The imports and the modules that the source declares.
+    /// Imports, and modules that the source declares.
     pub(super) imports: Imports,
 }
 
-/// A `mod` line whose file is missing or moved by a `path` attribute.
+/// `mod` line whose file is missing or moved by a `path` attribute.
 pub(super) struct LostFile {
     /// File with the `mod` line.
     pub(super) declared_in: PathBuf,
@@ -30,7 +30,7 @@ pub(super) struct LostFile {
 }
 
 /// Reads the crate whose `lib.rs` lies in `source`. Returns its files, `lib.rs` first, and the
-/// modules whose files are not where their names say. Modules compiled for tests alone are skipped.
+/// modules whose files are not where their names say. Modules compiled only for tests are skipped.
 pub(super) fn read(source: &Path) -> Result<(Vec<SourceFile>, Vec<LostFile>)> {
     let (mut files, mut lost) = (Vec::new(), Vec::new());
     let mut pending = vec![(source.join("lib.rs"), Vec::new())];
@@ -49,7 +49,7 @@ pub(super) fn read(source: &Path) -> Result<(Vec<SourceFile>, Vec<LostFile>)> {
     Ok((files, lost))
 }
 
-/// The file of module `child`, declared in `file`, the source of `module`.
+/// Returns the file of module `child`, which is declared in `file`, the source of `module`.
 fn find_source(file: &Path, module: &[String], child: &[String]) -> Option<PathBuf> {
     let stem = file.file_stem()?;
     let owns_folder = stem == "lib" || stem == "mod";

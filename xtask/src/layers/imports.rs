@@ -1,5 +1,6 @@
-//! The paths in a source file that start in its own crate, wherever they stand: in imports, expressions, types,
-//! attributes and the tokens of macros. What is compiled for tests alone is passed over.
+//! Paths in a source file that start in its own crate, wherever they occur: in imports,
+//! expressions, types, attributes and the tokens of macros. Code compiled only for tests is
+//! skipped.
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use syn::punctuated::Punctuated;
@@ -7,14 +8,14 @@ use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 use syn::{Attribute, ImplItem, Item, Meta, Token, TraitItem, UseTree};
 
-/// A path from the root of the crate, and the place that names it.
+/// Path from the root of the crate, and the place that names it.
 #[derive(Debug)]
 pub(super) struct Import {
-    /// The module in which it is written; empty for the root of the crate.
+    /// Module in which the path is written; empty for the root of the crate.
     pub(super) module: Vec<String>,
-    /// What it names, counted from the root; a last `*` is a glob.
+    /// Named path, counted from the root. If it ends with `*`, it is a glob.
     pub(super) path: Vec<String>,
-    /// The path as written.
+    /// Path as written.
     pub(super) written: String,
     /// The line, counted from one.
     pub(super) line: usize,
@@ -22,10 +23,10 @@ pub(super) struct Import {
     pub(super) reexported: bool,
 }
 
-/// A `mod name;`, whose source is another file.
+/// `mod name;`, whose source is another file.
 #[derive(Debug)]
 pub(super) struct Child {
-    /// Its path from the root of the crate.
+    /// Path of the module from the root of the crate.
     pub(super) module: Vec<String>,
     /// The line, counted from one.
     pub(super) line: usize,
@@ -33,19 +34,19 @@ pub(super) struct Child {
     pub(super) moved: bool,
 }
 
-/// What [`Imports::of`] finds in one file.
+/// Paths and modules that [`Imports::of`] finds in one file.
 #[derive(Debug, Default)]
 pub(super) struct Imports {
-    /// The module that is being read.
+    /// Module that is being read.
     module: Vec<String>,
-    /// The paths, in the order of the file.
+    /// Paths, in the order of the file.
     pub(super) found: Vec<Import>,
-    /// The modules that the file declares and that lie in other files.
+    /// Modules that the file declares and that lie in other files.
     pub(super) children: Vec<Child>,
-    /// The modules whose source is in this file, with their lines.
+    /// Modules whose source is in this file, with their lines.
     pub(super) inline: Vec<Child>,
-    /// The paths that start with another name than `crate`, `self` or `super`, counted from the root as if that name were in the
-    /// module that writes it.
+    /// Paths that do not start with `crate`, `self` or `super`, counted from the root as if their
+    /// first name were in the module that writes them.
     pub(super) relative: Vec<Import>,
 }
 
@@ -74,7 +75,7 @@ impl Imports {
         }
     }
 
-    /// Records the paths in tokens that are not parsed, which are those of macros and attributes.
+    /// Records the paths in tokens that are not parsed: those of macros and attributes.
     fn scan(&mut self, tokens: TokenStream) {
         let tokens: Vec<TokenTree> = tokens.into_iter().collect();
         let mut at = 0;
@@ -86,7 +87,8 @@ impl Imports {
         }
     }
 
-    /// Records the path that starts at the first of `tokens`, if one does. Returns the number of its tokens.
+    /// Records the path that starts at the first of `tokens`, if one does. Returns its number of
+    /// tokens.
     fn scan_path(&mut self, tokens: &[TokenTree]) -> usize {
         let Some(TokenTree::Ident(first)) = tokens.first() else { return 0 };
         let mut segments = vec![first.to_string()];
@@ -101,12 +103,13 @@ impl Imports {
                         Ok(tree) => leaves(&tree, &mut segments, &mut |path, _, span| {
                             self.record(path, span.start().line);
                         }),
-                        Err(_) => self.record(&segments, first.span().start().line), // the group is a macro's pattern
+                        // The group is a macro's pattern.
+                        Err(_) => self.record(&segments, first.span().start().line),
                     }
                     return taken + 3;
                 }
                 _ => {
-                    // `crate::$name` or a turbofish: what is known so far is judged
+                    // `crate::$name` or a turbofish: the part known so far is checked.
                     self.record(&segments, first.span().start().line);
                     return taken + 2;
                 }
@@ -209,10 +212,11 @@ impl<'ast> Visit<'ast> for Imports {
         self.scan(list.tokens.clone());
     }
 
-    fn visit_visibility(&mut self, _: &'ast syn::Visibility) {} // `pub(in crate::mesh)` imports nothing
+    // `pub(in crate::mesh)` imports nothing.
+    fn visit_visibility(&mut self, _: &'ast syn::Visibility) {}
 }
 
-/// Calls `visit` with the full path, the name it is known by and the place of each leaf of an import.
+/// Calls `visit` with the full path, the name in scope and the place of each leaf of an import.
 pub(super) fn leaves(
     tree: &UseTree,
     prefix: &mut Vec<String>,
@@ -241,12 +245,13 @@ pub(super) fn leaves(
     prefix.truncate(depth);
 }
 
-/// Whether a name is written as those of types are.
+/// Reports whether a name is written like a type.
 fn is_type(name: &str) -> bool {
     name.starts_with(char::is_uppercase)
 }
 
-/// The path from the root that `segments` name when written in `module`; none where they start in another crate or scope.
+/// Returns the path from the root that `segments` name in `module`, or `None` if they start in
+/// another crate or scope.
 pub(super) fn from_root(module: &[String], segments: &[String]) -> Option<Vec<String>> {
     let mut path = match segments.first()?.as_str() {
         "crate" => Vec::new(),
@@ -264,7 +269,7 @@ pub(super) fn from_root(module: &[String], segments: &[String]) -> Option<Vec<St
     Some(path)
 }
 
-/// Whether one of the attributes is a `cfg` that holds in tests alone.
+/// Reports whether one of the attributes is a `cfg` that holds only in tests.
 fn for_tests(attributes: &[Attribute]) -> bool {
     fn needs_test(condition: &Meta) -> bool {
         let parts = |list: &syn::MetaList| list.parse_args_with(Punctuated::<Meta, Token![,]>::parse_terminated);

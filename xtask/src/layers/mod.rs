@@ -1,5 +1,5 @@
-//! The layers: a crate depends only on crates before it, a module of `impinge` imports only modules before it, and inside a
-//! module no two files need each other.
+//! The layers: a crate depends only on crates before it, a module of `impinge` imports only modules
+//! before it, and inside a module no two files import each other.
 
 mod circles;
 mod crates;
@@ -14,7 +14,7 @@ use anyhow::Result;
 
 use crate::sources::Violation;
 
-/// The crates of the workspace from the bottom up; dev-dependencies are free.
+/// Crates of the workspace from the bottom up. Dev-dependencies are free.
 const CRATES: [&str; 8] = [
     "impinge",
     "impinge-files",
@@ -26,7 +26,7 @@ const CRATES: [&str; 8] = [
     "xtask",
 ];
 
-/// The modules of `impinge` from the bottom up; tests are free.
+/// Modules of `impinge` from the bottom up. Tests are free.
 const MODULES: [&str; 19] = [
     "input",
     "storage",
@@ -49,7 +49,8 @@ const MODULES: [&str; 19] = [
     "interop",
 ];
 
-/// Every dependency and every import of the workspace at `root` that goes against the order, and every circle of files.
+/// Returns every dependency and every import of the workspace at `root` against the order, and
+/// every circle of files.
 pub(crate) fn check(root: &Path) -> Result<Vec<Violation>> {
     let mut violations = crates::check(root, &CRATES)?;
     let source = root.join("crates/impinge/src");

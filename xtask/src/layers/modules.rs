@@ -1,5 +1,5 @@
-//! The order of the modules of one crate, read from its source: each path that starts in the crate is led to the
-//! top module that it names.
+//! Order of the modules of one crate, read from its source. Each path that starts in the crate is
+//! resolved to its top module.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,8 +11,8 @@ use super::files::{LostFile, SourceFile};
 use super::imports::{Child, Import, Imports, leaves};
 use crate::sources::Violation;
 
-/// What breaks `order` in the crate whose `lib.rs` lies in `source`, of which `files` and `lost` are read; files are shown
-/// relative to `root`.
+/// Returns the violations of `order` in the crate whose `lib.rs` lies in `source`. `files` and
+/// `lost` are its files; they are shown relative to `root`.
 pub(super) fn check(
     source: &Path,
     root: &Path,
@@ -43,7 +43,7 @@ pub(super) fn check(
     Ok(violations)
 }
 
-/// The names that the root of the crate re-exports, each with the path that it stands for.
+/// Returns the names that the root of the crate re-exports, each with its path.
 fn exports(root: &syn::File) -> BTreeMap<String, String> {
     let mut exported = BTreeMap::new();
     for item in &root.items {
@@ -77,7 +77,8 @@ fn judge(
     }
 }
 
-/// Which rule an import breaks; the root of the crate, which gathers the modules, may import any of them.
+/// Returns the rule that an import breaks, or `None`. The root of the crate, which gathers the
+/// modules, may import any of them.
 fn judge_import(import: &Import, exported: &BTreeMap<String, String>, order: &[&str]) -> Option<String> {
     let place = |name: &str| order.iter().position(|&m| m == name);
     let from = import.module.first()?;
@@ -108,7 +109,7 @@ mod tests {
 
     const ORDER: [&str; 3] = ["low", "mid", "high"];
 
-    /// The lines and texts of what `source` breaks as the source of `module`.
+    /// Returns the lines and messages of the violations in `source`, the source of `module`.
     fn found(module: &str, source: &str) -> Vec<(usize, String)> {
         let module: Vec<String> = module.split("::").map(str::to_owned).collect();
         let exported = exports(&syn::parse_str("pub use high::{Roof, tiles as shingles}; pub use low::*;").unwrap());
@@ -118,7 +119,8 @@ mod tests {
         found
     }
 
-    /// Asserts that `source` in module `mid` breaks a rule on line 2 and nowhere else, and that the message has `part`.
+    /// Asserts that `source` in module `mid` breaks a rule only on line 2, and that the message
+    /// contains `part`.
     #[track_caller]
     fn breaks(source: &str, part: &str) {
         let found = found("mid", source);

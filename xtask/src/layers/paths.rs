@@ -1,19 +1,20 @@
-//! Finds the file that defines what a path of the crate names, through any re-exports.
+//! Finds the file that defines the item of a path, through any re-exports.
 
 use std::collections::HashMap;
 
 use super::files::SourceFile;
 use super::imports::{from_root, leaves};
 
-/// Maximum number of re-exports that one path is followed through. Real paths need two or three; the
-/// limit ends a re-export of itself.
+/// Maximum number of re-exports followed for one path. Real paths need two or three; the limit ends
+/// a re-export of itself.
 const MAX_REEXPORTS: usize = 16;
 
-/// The names that the files of a crate define or import.
+/// Names that the files of a crate define or import.
 pub(super) struct Names<'a> {
-    /// The number of the file of each module.
+    /// Number of the file of each module.
     file_of: HashMap<&'a [String], usize>,
-    /// For each file the paths, from the root, that its imports stand for, by the names that they introduce.
+    /// For each file, the paths from the root that its imports stand for, by the names that they
+    /// introduce.
     imported: Vec<HashMap<String, Vec<String>>>,
 }
 
@@ -23,7 +24,8 @@ impl<'a> Names<'a> {
         Self { file_of, imported: files.iter().map(imported_names).collect() }
     }
 
-    /// Returns the number of the file that defines what `path`, counted from the root of the crate, names.
+    /// Returns the number of the file that defines the item of `path`, which is counted from the
+    /// root of the crate.
     pub(super) fn home(&self, path: &[String]) -> Option<usize> {
         self.home_within(path, MAX_REEXPORTS)
     }
@@ -33,7 +35,7 @@ impl<'a> Names<'a> {
         for (at, name) in path.iter().enumerate() {
             let child = self.file_of.get(&path[..=at]);
             match (child, self.imported[file].get(name)) {
-                // A module and a function may have one name: what follows a module is in it.
+                // A module and a function may have the same name. A name after a module is in it.
                 (Some(&child), None) => file = child,
                 (Some(&child), Some(_)) if at + 1 < path.len() => file = child,
                 (_, Some(target)) if reexports > 0 => {

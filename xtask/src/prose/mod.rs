@@ -1,7 +1,8 @@
-//! The prose of the project: phrases that readers stumble over, long lines, and doc comments that do not begin with a verb.
+//! The prose of the project: phrases that readers stumble over, long lines, and doc comments that
+//! do not begin with a verb.
 //!
-//! [`check`] returns each violation, and [`thermometer::measure`] counts words that tell plain English from a dialect.
-//! CONTRIBUTING.md has the rules for writers.
+//! [`check`] returns each violation, and [`thermometer::measure`] counts words that tell plain
+//! English from a dialect. CONTRIBUTING.md has the rules for writers.
 
 mod comments;
 mod first_word;
@@ -19,7 +20,8 @@ use comments::Line;
 /// Maximum length of a line of prose, in characters. Longer lines make diffs hard to read.
 const MAX_COLUMNS: usize = 100;
 
-/// Files whose English is history or data: the changelog, and notes that keep what was measured when.
+/// Files whose English is history or data: the changelog, and notes that keep what was measured
+/// when.
 const EXEMPT: [&str; 3] = ["CHANGELOG.md", "docs/notes", "bench/record"];
 
 /// Returns the broken rules in the comments, docstrings and Markdown files below `root`.
@@ -30,7 +32,7 @@ pub(crate) fn check(root: &Path) -> Result<Vec<Violation>> {
     let mut violations = Vec::new();
     for path in sources::files(root, &["rs", "py", "pyi", "md"])? {
         let file = path.strip_prefix(root).unwrap_or(&path);
-        if EXEMPT.iter().any(|exempt| file.starts_with(exempt)) {
+        if is_exempt(file) {
             continue;
         }
         let text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
@@ -39,6 +41,11 @@ pub(crate) fn check(root: &Path) -> Result<Vec<Violation>> {
         violations.extend(found.map(|(line, what)| Violation { file: file.to_owned(), line, what }));
     }
     Ok(violations)
+}
+
+/// Reports whether a file, given relative to the root, is history or data.
+fn is_exempt(file: &Path) -> bool {
+    EXEMPT.iter().any(|exempt| file.starts_with(exempt))
 }
 
 /// Returns the faults of one line of prose, each with the number of the line.
@@ -58,7 +65,10 @@ mod tests {
     fn each_rule_is_checked_in_rust_python_and_markdown_but_not_in_code() {
         let root = tempfile::tempdir().unwrap();
         let write = |name: &str, text: &str| fs::write(root.path().join(name), text).unwrap();
-        write("a.rs", "/// The sum.\nfn sum() {}\nconst S: &str = \"so many\";\n/// Not so many rows.\nconst N: u8 = 1;\n");
+        write(
+            "a.rs",
+            "/// The sum.\nfn sum() {}\nconst S: &str = \"so many\";\n/// Not so many rows.\nconst N: u8 = 1;\n",
+        );
         write("b.py", "def sum():\n    \"\"\"Whether it is.\n\n    So many at hand.\n    \"\"\"\n");
         write("c.md", &format!("{}\n```\nwhoever\n```\n| {} |\n", "word ".repeat(30), "x".repeat(120)));
         let found = check(root.path()).unwrap();

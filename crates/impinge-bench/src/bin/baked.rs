@@ -1,4 +1,5 @@
-//! Baked files beside refits: to write, to open, to prove, to believe; and the proxies in them beside making them.
+//! Baked files: times to write, open, validate and trust them, compared with refits; and stored
+//! proxies, compared with fitting them.
 //!
 //! `IMPINGE_DATA=... cargo run --release -p impinge-bench --bin baked`
 
@@ -22,13 +23,13 @@ use impinge_testkit::env_rob::data_folder;
 
 const HUMAN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/human_makehuman_cc0.ply");
 
-/// Times baked files, and checks what comes back
+/// Times baked files, and checks the meshes and proxies read back
 #[derive(Parser)]
 struct Arguments {
-    /// Threads to build, refit and prove with
+    /// Number of threads for building, refitting and validating
     #[arg(long, value_name = "N", default_value_t = 1)]
     threads: usize,
-    /// Runs of each
+    /// Number of runs of each
     #[arg(long, value_name = "N", default_value_t = 5)]
     repeats: usize,
 }
@@ -56,7 +57,7 @@ fn named(name: &str, cells: [String; 6]) -> [String; 7] {
     std::array::from_fn(|at| if at == 0 { name.to_owned() } else { cells.next().unwrap_or_default() })
 }
 
-/// A mesh and its proxies in a file.
+/// Times a mesh and its proxies in a file, and returns the cells of both tables.
 fn baked(surface: &Surface, repeats: usize) -> Result<[[String; 6]; 2]> {
     let (mut mesh, _) = surface.build(1)?;
     let refit = Samples::take(repeats, || {
@@ -106,7 +107,7 @@ fn written(mesh: &Mesh, proxies: &Proxies, path: &Path) -> Result<()> {
     Ok(out.flush()?)
 }
 
-/// What it takes to get back what was baked.
+/// Times of reading a baked file in each way.
 struct Opened {
     open: Samples,
     prove: Samples,

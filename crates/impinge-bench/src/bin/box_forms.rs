@@ -1,10 +1,10 @@
-//! What following n rotations and m translations costs each of the three forms of a box, counted and measured (*Notes on Real
-//! Time Collision Detection*, example 2.1.1).
+//! Cost of n rotations and m translations for each of the three forms of a box, counted and
+//! measured (*Notes on Real Time Collision Detection*, example 2.1.1).
 //!
 //! `cargo run --release -p impinge-bench --bin box_forms`
 //!
-//! The formulas are the plain ones, rounded to nearest, so that what differs is the form alone; the library's own round
-//! outward. The boxes that the forms end with are compared.
+//! The formulas are the plain ones, rounded to nearest, so that only the form differs. The
+//! library's own formulas round outward. The final boxes of the forms are compared.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
@@ -17,18 +17,18 @@ use impinge_bench::samples::timed;
 use impinge_bench::table::{Table, time};
 use impinge_testkit::generate::Rng;
 
-/// Boxes that move together, so that the clock is read between many.
+/// Number of boxes that move together between two readings of the clock.
 const BOXES: usize = 1000;
 
-/// Runs of each sequence; the least time counts.
+/// Number of runs of each sequence. The minimum time counts.
 const REPEATS: usize = 300;
 
-/// Rotations and translations of a sequence.
+/// Numbers of rotations and translations of each sequence.
 const SEQUENCES: [[usize; 2]; 4] = [[10, 0], [0, 10], [5, 5], [1, 9]];
 
 type Vector = [f64; 3];
 
-/// One form of a box: two vectors, and how they follow.
+/// Form of a box: two vectors, and their transformations.
 #[derive(Clone, Copy)]
 struct Form {
     name: &'static str,
@@ -36,7 +36,7 @@ struct Form {
     corners: fn([Vector; 2]) -> [Vector; 2],
     rotated: fn(&[Vector; 2], &Pose) -> [Vector; 2],
     translated: fn(&[Vector; 2], &Vector) -> [Vector; 2],
-    /// Products, comparisons and sums of a rotation, and sums of a translation.
+    /// Numbers of products, comparisons and sums of a rotation, and of sums of a translation.
     counts: [usize; 4],
 }
 
@@ -58,11 +58,11 @@ const FORMS: [Form; 3] = [
         counts: [18, 9, 24, 3],
     },
     Form {
-        name: "centre-radius",
+        name: "center-radius",
         from_corners: |min, max| [sum(&min, &max).map(|x| 0.5 * x), difference(&max, &min).map(|x| 0.5 * x)],
-        corners: |[centre, radii]| [difference(&centre, &radii), sum(&centre, &radii)],
-        rotated: rotated_centre_radius,
-        translated: |[centre, radii], t| [sum(centre, t), *radii],
+        corners: |[center, radii]| [difference(&center, &radii), sum(&center, &radii)],
+        rotated: rotated_center_radius,
+        translated: |[center, radii], t| [sum(center, t), *radii],
         counts: [18, 0, 15, 3],
     },
 ];
@@ -79,8 +79,8 @@ fn main() -> Result<()> {
     let mut vector = || -> Vector { std::array::from_fn(|_| rng.uniform(-1.0, 1.0)) };
     let boxes: Vec<[Vector; 2]> = (0..BOXES)
         .map(|_| {
-            let (centre, half) = (vector(), vector().map(f64::abs));
-            [difference(&centre, &half), sum(&centre, &half)]
+            let (center, half) = (vector(), vector().map(f64::abs));
+            [difference(&center, &half), sum(&center, &half)]
         })
         .collect();
     let poses: Vec<Pose> = (0..10)
@@ -88,7 +88,7 @@ fn main() -> Result<()> {
         .collect::<Result<_, _>>()?;
     let steps: Vec<Vector> = (0..10).map(|_| vector()).collect();
 
-    let mut measured = Table::new(["n rotations, m translations", "min-max", "min-widths", "centre-radius"]);
+    let mut measured = Table::new(["n rotations, m translations", "min-max", "min-widths", "center-radius"]);
     for [rotations, translations] in SEQUENCES {
         let results = FORMS.map(|form| run(&form, &boxes, &poses[..rotations], &steps[..translations]));
         for (_, found) in &results {
@@ -104,8 +104,8 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// The least time for all boxes, and the corners that they end with. Rotations are of the original box; translations
-/// move the last.
+/// Returns the minimum time for all boxes, and their final corners. Rotations are of the original
+/// box; translations move the last one.
 fn run(form: &Form, boxes: &[[Vector; 2]], poses: &[Pose], steps: &[Vector]) -> (f64, Vec<[Vector; 2]>) {
     let originals: Vec<[Vector; 2]> = boxes.iter().map(|&[min, max]| (form.from_corners)(min, max)).collect();
     let mut moved = originals.clone();
@@ -153,11 +153,11 @@ fn rotated_min_widths([min, widths]: &[Vector; 2], pose: &Pose) -> [Vector; 2] {
     [low, wide]
 }
 
-fn rotated_centre_radius([centre, radii]: &[Vector; 2], pose: &Pose) -> [Vector; 2] {
+fn rotated_center_radius([center, radii]: &[Vector; 2], pose: &Pose) -> [Vector; 2] {
     let (mut middle, mut reach) = (*pose.translation(), [0.0; 3]);
     for axis in 0..3 {
         for k in 0..3 {
-            middle[axis] += pose.linear()[axis][k] * centre[k];
+            middle[axis] += pose.linear()[axis][k] * center[k];
             reach[axis] += pose.linear()[axis][k].abs() * radii[k];
         }
     }

@@ -1,9 +1,10 @@
-//! Continuous collision: the recorded queries of a vertex and a face and of two edges, their answers and their times; and all contacts of
-//! a cloth with itself between two frames of a recorded simulation, on one thread.
+//! Continuous collision: recorded queries of a vertex and a face and of two edges, with answers and
+//! times; and all contacts of a cloth with itself between two frames of a recorded simulation, on
+//! one thread.
 //!
 //! `IMPINGE_DATA=... cargo run --release -p impinge-bench --bin ccd`
 //!
-//! A collision that is missed ends the run; what is reported though nothing touches is counted.
+//! A missed collision ends the run. False alarms are counted.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
@@ -19,10 +20,10 @@ use impinge_bench::table::{Table, spread};
 use impinge_testkit::ccd::{Query, QueryKind, read_all};
 use impinge_testkit::env_rob::data_folder;
 
-/// Rounds over all queries, of which the fastest counts for each query.
+/// Number of rounds over all queries. For each query the minimum time counts.
 const ROUNDS: usize = 15;
 
-/// Runs of the cloth, each of seconds.
+/// Number of runs of the cloth, each of which takes seconds.
 const CLOTH_ROUNDS: usize = 3;
 
 fn main() -> Result<()> {
@@ -59,7 +60,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Frames 92 to 93 of a cloth that falls over a ball.
+/// Times frames 92 to 93 of a cloth that falls over a sphere.
 fn cloth(data: &Path) -> Result<Table<6>> {
     let frame = |number: u32| Surface::load(&data.join(format!("animation/cloth_ball{number}.ply")));
     let (from, to) = (frame(92)?, frame(93)?);
@@ -92,12 +93,12 @@ fn answer(query: &Query) -> Result<Impact> {
     })
 }
 
-/// Seconds that each query takes, sorted.
+/// Returns the time of each query in seconds, sorted.
 fn fastest(queries: &[Query]) -> Result<Vec<f64>> {
     let mut seconds = vec![f64::INFINITY; queries.len()];
     for _ in 0..ROUNDS {
         for (query, seconds) in queries.iter().zip(&mut seconds) {
-            // A batch, as one query may be shorter than the clock's steps.
+            // A batch, because one query may be shorter than the steps of the clock.
             let (taken, answers) = timed(|| [(); 8].map(|()| answer(black_box(query))));
             for answer in answers {
                 black_box(answer?);

@@ -1,8 +1,9 @@
-//! Distances: two knots of two million triangles apart, near and nested, from cold and from the last witness.
+//! Distances of two knots of two million triangles, apart, near and nested, without a cache and
+//! with the cache of the last query.
 //!
 //! `cargo run --release -p impinge-bench --bin distance`
 //!
-//! Every distance is asked for twice, cold and with the cache, and must be the same.
+//! Every distance is computed without and with the cache, and must be the same.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
@@ -18,27 +19,28 @@ use impinge_bench::samples::{Samples, timed};
 use impinge_bench::scene::{Choice, Surface, parse_pose};
 use impinge_bench::table::{Table, spread};
 
-/// Seconds that one sample should take: far above the clock's resolution and below a time slice.
+/// Target time of one sample, in seconds: far above the clock's resolution and below a time slice.
 const BATCH_SECONDS: f64 = 2e-3;
 
-/// Times the distance of two meshes at one pose or more.
+/// Times the distance of two meshes at one or more poses.
 #[derive(Parser)]
 struct Arguments {
     #[command(flatten)]
     mesh: Choice,
-    /// File of the second mesh, in place of the first once more
+    /// File of the second mesh, instead of the first mesh again
     #[arg(long, value_name = "FILE")]
     other: Option<PathBuf>,
-    /// Where the second mesh stands; may be given more than once, and then the last witness seeds the next pose too
+    /// Pose of the second mesh; may be repeated, and then the cache of each pose is also used for
+    /// the next
     #[arg(long, value_name = "TX,TY,TZ,QW,QX,QY,QZ", value_parser = parse_pose, allow_hyphen_values = true)]
     pose_b: Vec<Pose>,
-    /// File of poses, a row of seven numbers each, in place of --pose-b
+    /// File of poses, seven numbers per row, instead of --pose-b
     #[arg(long, value_name = "FILE", conflicts_with = "pose_b")]
     poses: Option<PathBuf>,
-    /// Runs at each pose
+    /// Number of runs at each pose
     #[arg(long, value_name = "N", default_value_t = 9)]
     repeats: usize,
-    /// Print one JSON object per pose, in seconds, in place of a table
+    /// Print one JSON object per pose, in seconds, instead of a table
     #[arg(long)]
     json: bool,
 }
@@ -87,9 +89,9 @@ impl Arguments {
 struct Measured {
     distance: f64,
     cold: Samples,
-    /// From the witness of the pose before.
+    /// Times with the cache of the pose before.
     following: Samples,
-    /// From that of this pose.
+    /// Times with the cache of this pose.
     seeded: Samples,
 }
 

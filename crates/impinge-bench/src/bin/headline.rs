@@ -1,4 +1,5 @@
-//! The headline benchmark: build, refit, all intersecting pairs and first hit of two knots of two million triangles.
+//! The headline benchmark: build, refit, all intersecting pairs and first hit of two knots of two
+//! million triangles.
 //!
 //! `cargo run --release -p impinge-bench --bin headline`
 
@@ -18,7 +19,7 @@ use impinge_bench::samples::{Samples, timed};
 use impinge_bench::scene::{Choice, Standing, Surface, parse_pose};
 use impinge_bench::table::{Table, spread};
 
-/// Builds are slow: no more of them than this.
+/// Maximum number of builds, because builds are slow.
 const MOST_BUILDS: usize = 9;
 
 /// Times impinge on two meshes, and checks every answer.
@@ -26,28 +27,30 @@ const MOST_BUILDS: usize = 9;
 struct Arguments {
     #[command(flatten)]
     mesh: Choice,
-    /// File of the second mesh, in place of the first once more
+    /// File of the second mesh, instead of the first mesh again
     #[arg(long, value_name = "FILE")]
     other: Option<PathBuf>,
-    /// Where the second mesh stands, in place of three poses: a translation, then a unit quaternion
+    /// Pose of the second mesh, instead of three poses: a translation, then a unit quaternion
     #[arg(long, value_name = "TX,TY,TZ,QW,QX,QY,QZ", value_parser = parse_pose, allow_hyphen_values = true)]
     pose_b: Option<Pose>,
-    /// How hierarchies are built: auto, morton, median, binned-sah, sweep-sah, ploc, insertion or reinsertion
+    /// Builder of the hierarchies: auto, morton, median, binned-sah, sweep-sah, ploc, insertion or
+    /// reinsertion
     #[arg(long, value_name = "NAME", default_value = "auto", value_parser = parse_builder)]
     builder: Builder,
-    /// Threads to build and to ask with
+    /// Number of threads for building and queries
     #[arg(long, value_name = "N", default_value_t = 1)]
     threads: usize,
-    /// Runs of each question
+    /// Number of runs of each query
     #[arg(long, value_name = "N", default_value_t = 9)]
     repeats: usize,
-    /// Fail where the number of pairs is another
+    /// Fail if the number of pairs differs
     #[arg(long, value_name = "K", requires = "pose_b")]
     expect: Option<usize>,
-    /// Vector unit: sse2, sse4.2, avx2 or neon if the processor has it, or scalar if built with the feature impinge/scalar [default: the widest]
+    /// Vector unit: sse2, sse4.2, avx2 or neon if the processor has it, or scalar if built with the
+    /// feature impinge/scalar [default: the widest]
     #[arg(long, value_name = "NAME", value_parser = parse_level)]
     level: Option<Level>,
-    /// Print one JSON object per pose, in seconds, in place of a table
+    /// Print one JSON object per pose, in seconds, instead of a table
     #[arg(long)]
     json: bool,
 }
@@ -108,7 +111,7 @@ fn parse_builder(name: &str) -> Result<Builder, String> {
     Builder::named(name).ok_or_else(|| "that is none of the builders".to_owned())
 }
 
-/// Times of refits to the same places, which must leave the tree as it is.
+/// Times refits to the same positions, which must not change the tree.
 fn refits(mesh: &mut Mesh, surface: &Surface, repeats: usize) -> Result<Samples> {
     Samples::take(repeats, || {
         let positions = surface.positions.clone();
@@ -118,7 +121,7 @@ fn refits(mesh: &mut Mesh, surface: &Surface, repeats: usize) -> Result<Samples>
     })
 }
 
-/// What `bench/rivals.py` reads.
+/// Returns the JSON that `bench/rivals.py` reads.
 fn json(build: &Samples, refit: &Samples, asked: &Asked) -> serde_json::Value {
     serde_json::json!({
         "pairs": asked.pairs.len(),

@@ -1,7 +1,8 @@
-//! The time of convex hulls, as JSON for `bench/hulls.py`, which asks qhull about the same points in the same run.
+//! Times of convex hulls, as JSON for `bench/hulls.py`, which runs qhull on the same points in the
+//! same run.
 //!
-//! `cargo run --release -p impinge-bench --bin hulls -- POINTS...`, where a file of points holds three little-endian doubles
-//! for each.
+//! `cargo run --release -p impinge-bench --bin hulls -- POINTS...`. A file of points holds three
+//! little-endian doubles per point.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
@@ -23,10 +24,10 @@ struct Arguments {
     /// Files of points, three little-endian doubles each
     #[arg(value_name = "POINTS", required = true)]
     files: Vec<PathBuf>,
-    /// Runs for each file
+    /// Number of runs for each file
     #[arg(long, value_name = "N", default_value_t = 5)]
     repeats: usize,
-    /// Threads to build with
+    /// Number of threads for building
     #[arg(long, value_name = "N", default_value_t = 1)]
     threads: usize,
 }
@@ -49,8 +50,8 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// That the faces are a closed surface and every point is inside of it or on it, by exact crossings of rays, which know
-/// nothing of hulls.
+/// Checks that the faces are a closed surface and that every point is inside or on it, by exact
+/// crossings of rays, which are independent of hulls.
 fn check(hull: &Hull, points: &[[f64; 3]]) -> Result<()> {
     let surface = Mesh::new(Positions::F64(hull.positions().to_vec()), hull.faces().to_vec())?;
     ensure!(surface.is_closed(), "the hull is not closed");

@@ -1,12 +1,13 @@
-//! impinge beside parry3d, in one run on one thread: build, all intersecting pairs and first hit.
+//! impinge and parry3d in one run on one thread: build, all intersecting pairs and first hit.
 //!
 //! `cargo run --release -p impinge-bench --features peers --bin peers`
 //!
-//! parry3d computes in single precision, so both get vertices and a pose that are rounded to it beforehand: the same
-//! floats. Its first hit is its own `intersection_test`. All pairs it has no call for; they are found as its
-//! `intersect_meshes` starts, with a descent of both trees by `Bvh::leaf_pairs` whose boxes are carried by the pose, and
-//! decided by the test of two triangles that its `intersection_test` ends in. That is GJK, by iteration in single
-//! precision, so a second table says how the pairs differ from the exact ones.
+//! parry3d computes in single precision, so both get vertices and a pose rounded to it beforehand:
+//! the same floats. Its first hit is its own `intersection_test`. It has no call for all pairs.
+//! They are found as at the start of its `intersect_meshes`, by a descent of both trees with
+//! `Bvh::leaf_pairs` whose boxes are moved by the pose, and decided by the test of two triangles at
+//! the end of its `intersection_test`. That is GJK, by iteration in single precision, so a second
+//! table counts the differences from the exact pairs.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
@@ -33,7 +34,7 @@ use parry3d::shape::TriMesh;
 struct Arguments {
     #[command(flatten)]
     mesh: Choice,
-    /// Runs of each question, and of the build
+    /// Number of runs of each query, and of the build
     #[arg(long, value_name = "N", default_value_t = 5)]
     repeats: usize,
 }
@@ -64,14 +65,15 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Ours, theirs, and how many times as long they take.
+/// Returns cells with our times, their times, and the ratio of the medians.
 fn times_beside(what: String, ours: &Samples, theirs: &Samples) -> [String; 6] {
     let [min, median] = spread(ours);
     let [parry_min, parry_median] = spread(theirs);
     [what, min, median, parry_min, parry_median, format!("{:.2}", theirs.median() / ours.median())]
 }
 
-/// How many pairs there are and how many parry3d finds; then those of its that are none, and those that it lacks.
+/// Returns cells with the number of pairs, the number that parry3d finds, and its numbers of wrong
+/// and of missing pairs.
 fn answers_beside(pose: &str, ours: &[[u32; 2]], theirs: &[[u32; 2]]) -> [String; 5] {
     let absent =
         |from: &[[u32; 2]], of: &[[u32; 2]]| of.iter().filter(|pair| from.binary_search(pair).is_err()).count();
@@ -80,7 +82,7 @@ fn answers_beside(pose: &str, ours: &[[u32; 2]], theirs: &[[u32; 2]]) -> [String
     [pose.to_owned(), pairs, parry_pairs, wrong, missing]
 }
 
-/// The surface with every coordinate rounded to single precision.
+/// Returns the surface with every coordinate rounded to single precision.
 fn rounded(surface: Surface) -> Surface {
     let positions = match surface.positions {
         Positions::F64(vertices) => Positions::F32(vertices.into_iter().map(|v| v.map(|x| x as f32)).collect()),
@@ -89,7 +91,8 @@ fn rounded(surface: Surface) -> Surface {
     Surface { positions, ..surface }
 }
 
-/// The pose of the single precision quaternion and translation that are next to a pose, for either engine.
+/// Returns the nearest pose whose quaternion and translation are in single precision, for either
+/// engine.
 fn same_pose(pose: &Pose) -> Result<(Pose, ParryPose)> {
     let columns = std::array::from_fn(|column| pose.linear().map(|row| row[column] as f32));
     let rotation = Rotation::from_mat3(&Matrix::from_cols_array_2d(&columns));
@@ -99,7 +102,7 @@ fn same_pose(pose: &Pose) -> Result<(Pose, ParryPose)> {
     Ok((ours, ParryPose::from_parts(Vector::from_array(translation), rotation)))
 }
 
-/// As [`Surface::build`], of the mesh of parry3d.
+/// Does the same as [`Surface::build`], for the mesh of parry3d.
 fn build_parry(surface: &Surface, repeats: usize) -> Result<(TriMesh, Samples)> {
     let vertices: Vec<Vector> = (0..surface.positions.len())
         .map(|vertex| Vector::from_array(surface.positions.get(vertex).map(|x| x as f32)))
@@ -125,7 +128,8 @@ fn ask_parry(repeats: usize, mesh: &TriMesh, world_from_b: &ParryPose) -> Result
     )
 }
 
-/// Every pair of faces of a mesh and its moved self that parry3d takes to intersect, sorted like ours.
+/// Returns every pair of faces of a mesh and its moved copy that intersects according to parry3d,
+/// sorted like ours.
 fn parry_pairs(mesh: &TriMesh, a_from_b: &ParryPose) -> Vec<[u32; 2]> {
     let overlap = |a: &BvhNode, b: &BvhNode| a.aabb().intersects(&b.aabb().transform_by(a_from_b));
     let mut pairs: Vec<[u32; 2]> = mesh

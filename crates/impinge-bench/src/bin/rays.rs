@@ -1,9 +1,10 @@
-//! The first hits of rays from a file, for `bench/rivals_rays.py`: one after the other, and in one call.
+//! First hits of rays from a file, for `bench/rivals_rays.py`: one by one, and in one call.
 //!
 //! `cargo run --release -p impinge-bench --bin rays -- --mesh MESH --rays RAYS --hits HITS`
 //!
-//! A ray is six floats in single precision, its origin and its direction; a hit is the parameter as a double and the face, both
-//! little-endian. A ray that hits nothing has the parameter infinity and the face 2^32 - 1.
+//! A ray is six floats in single precision, its origin and its direction. A hit is its parameter as
+//! a double and its face, both little-endian. A ray that hits nothing has the parameter infinity
+//! and the face 2^32 - 1.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
@@ -17,7 +18,7 @@ use impinge::mesh::{Ray, RayHit};
 use impinge_bench::samples::{Samples, timed};
 use impinge_bench::scene::Choice;
 
-/// Times the first hits of rays on one thread, and writes where they are.
+/// Times the first hits of rays on one thread, and writes the hits.
 #[derive(Parser)]
 struct Arguments {
     #[command(flatten)]
@@ -25,10 +26,10 @@ struct Arguments {
     /// File of rays
     #[arg(long, value_name = "FILE")]
     rays: PathBuf,
-    /// File for their hits
+    /// File for the hits
     #[arg(long, value_name = "FILE")]
     hits: PathBuf,
-    /// Runs of all rays
+    /// Number of runs of all rays
     #[arg(long, value_name = "N", default_value_t = 5)]
     repeats: usize,
 }

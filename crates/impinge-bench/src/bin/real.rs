@@ -1,5 +1,5 @@
-//! Real meshes: two large CAD parts against themselves, shifted and turned, and a human against itself unmoved, where
-//! every face meets itself and its neighbours.
+//! Real meshes: two large CAD parts against themselves, shifted and turned, and a human against
+//! itself unmoved, in which every face intersects itself and its neighbors.
 //!
 //! `IMPINGE_DATA=... cargo run --release -p impinge-bench --bin real`
 
@@ -23,28 +23,31 @@ use impinge_testkit::env_rob::data_folder;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-/// The CAD parts, in `big/` of the folder that `IMPINGE_DATA` names, and of how many faces one is kept where they turn.
-/// About one face in twenty of the second is a sliver nearly as long as the part. Turned, the boxes of slivers fill the
-/// part, and overlap most others: the time grows with the square of the faces, which for all of them makes hours.
+/// CAD parts, in `big/` of the folder that `IMPINGE_DATA` names, and a thinning factor n: if a part
+/// is turned, only one in n of its faces is kept.
+///
+/// About 5 % of the faces of the second part are slivers nearly as long as the part. If it is
+/// turned, the boxes of slivers fill the part and overlap most others. The time grows with the
+/// square of the number of faces, so all faces would take hours.
 const PARTS: [(&str, usize); 2] = [("cad_ventilator.ply", 1), ("cad_11752.ply", 64)];
 
-/// How far a part is shifted, as a share of its bounding box.
+/// Shift of a part, as a fraction of its bounding box.
 const SHIFT: f64 = 0.01;
 
-/// How far a part is turned about (1, 2, 3), in radians.
+/// Turn of a part about (1, 2, 3), in radians.
 const TURN: f64 = 0.3;
 
-/// Seconds that a pair of faces may take where every face meets some: far more than they do on any processor of today,
-/// so that only a change of method fails, and not a busy machine.
+/// Maximum time per pair of faces if every face intersects some, in seconds. It is far above the
+/// time on any current processor, so that only a change of method fails, and not a busy machine.
 const MOST_SECONDS_A_PAIR: f64 = 2e-6;
 
 /// Times impinge on real meshes, and checks every answer
 #[derive(Parser)]
 struct Arguments {
-    /// Threads to build and to ask with
+    /// Number of threads for building and queries
     #[arg(long, value_name = "N", default_value_t = 1)]
     threads: usize,
-    /// Runs of each question, and of the build
+    /// Number of runs of each query, and of the build
     #[arg(long, value_name = "N", default_value_t = 5)]
     repeats: usize,
 }
@@ -80,14 +83,15 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Loads a file, and says how long that took.
+/// Loads a file, and prints the time.
 fn load(path: &Path) -> Result<Surface> {
     let (seconds, surface) = timed(|| Surface::load(path));
     println!("{} loaded in {}", path.file_name().unwrap_or_default().display(), time(seconds));
     surface
 }
 
-/// Times a mesh against itself at a pose; returns a row of medians, and the seconds that each pair takes.
+/// Times a mesh against itself at a pose, and returns a row of medians and the time per pair in
+/// seconds.
 fn measure(name: &str, surface: &Surface, world_from_b: Pose, repeats: usize) -> Result<([String; 7], f64)> {
     let (mesh, build) = surface.build(repeats)?;
     check(&mesh, world_from_b)?;
@@ -106,7 +110,8 @@ fn measure(name: &str, surface: &Surface, world_from_b: Pose, repeats: usize) ->
     Ok((row, seconds_a_pair))
 }
 
-/// Compares the pairs with those found with the narrowest vector unit and from the other side; unmoved, no face may miss itself.
+/// Compares the pairs with those found with the narrowest vector unit and the meshes swapped. If
+/// the mesh is unmoved, every face must intersect itself.
 fn check(mesh: &Mesh, world_from_b: Pose) -> Result<()> {
     let pairs = query::intersecting_pairs(mesh, mesh.at(world_from_b));
     let narrowest = Options { level: levels()[0].1, ..Options::default() };
@@ -121,7 +126,7 @@ fn check(mesh: &Mesh, world_from_b: Pose) -> Result<()> {
     Ok(())
 }
 
-/// Turned about the middle of its box, and shifted.
+/// Returns a pose that turns the mesh about the middle of its box, and shifts it.
 fn beside_itself(surface: &Surface, angle_rad: f64) -> Result<Pose> {
     let [low, high] = surface.bounds();
     let about_origin = Pose::from_axis_angle([1.0, 2.0, 3.0], angle_rad, [0.0; 3])?;

@@ -1,10 +1,12 @@
-//! The five ways of realigning a box, over thousands of turns of real meshes: nanoseconds, looseness and memory, every
-//! answer checked; where climbing begins to win; and what scanning and batches reach.
+//! The five methods of realigning a box, over thousands of turns of meshes: nanoseconds, looseness
+//! and memory; the hull size from which climbing is faster; and the speed of scanning and of
+//! batches.
 //!
 //! `IMPINGE_DATA=... cargo run --release -p impinge-bench --bin realign`
 //!
-//! Tight boxes are compared bit for bit with each other at every pose, and with the exact brute force of the testkit at as
-//! many as `--exact` says; the others must hold them.
+//! Every answer is checked. Tight boxes are compared bit for bit with each other at every pose, and
+//! with the exact brute force of the testkit at the number of poses given by `--exact`. Boxes of
+//! the other methods must contain them.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
@@ -26,19 +28,21 @@ use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::solids::icosphere;
 use impinge_testkit::oracle::tight_box;
 
-/// How far a small step turns, in radians: 1.1 degrees, a turn in five seconds at 60 steps each.
+/// Angle of a small step, in radians: 1.1 degrees, or a full turn in five seconds at 60 steps per
+/// second.
 const STEP_RAD: f64 = 0.02;
 
-/// Seconds that one way is timed at most for one mesh and one kind of turn.
+/// Maximum time spent on one method for one mesh and one kind of turn, in seconds.
 const MOST_SECONDS: f64 = 3.0;
 
-/// Times the ways of realigning a box, and checks every answer
+/// Times the methods of realigning a box, and checks every answer
 #[derive(Parser)]
 struct Arguments {
-    /// Turns of each kind
+    /// Number of turns of each kind
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     turns: usize,
-    /// Turns of each kind at which the human is compared with the exact brute force; other meshes at as many as take as long
+    /// Number of turns of each kind at which the human is compared with the exact brute force; for
+    /// other meshes the number that takes the same time
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     exact: usize,
 }
@@ -57,7 +61,7 @@ fn main() -> Result<()> {
     batches()
 }
 
-/// All ways over small steps and any turns of one mesh.
+/// Times all methods over small steps and random turns of one mesh.
 fn ways(name: &str, points: &[[f32; 3]], turns: usize, exact_points: usize) -> Result<()> {
     let hull = Hull::new(points)?;
     let wide: Vec<[f64; 3]> = points.iter().map(|point| point.map(f64::from)).collect();
@@ -66,7 +70,7 @@ fn ways(name: &str, points: &[[f32; 3]], turns: usize, exact_points: usize) -> R
     let poses = [small_steps(turns)?, any_turns(turns)?];
     let exact = (exact_points / points.len()).min(turns);
 
-    // The boxes that all others are compared with, and these with the exact ones.
+    // Reference boxes for all others. They are compared with the exact boxes.
     let mut reference = TightHull::new(&hull);
     let tight = poses.each_ref().map(|poses| poses.iter().map(|pose| reference.realign(pose)).collect::<Vec<_>>());
     let every = (turns / exact.max(1)).max(1);
@@ -102,14 +106,15 @@ fn ways(name: &str, points: &[[f32; 3]], turns: usize, exact_points: usize) -> R
     Ok(())
 }
 
-/// Each point once, as what is there twice changes no box.
+/// Returns each point once, because duplicates change no box.
 fn distinct(mut points: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
     points.sort_unstable_by_key(|point| point.map(f64::to_bits));
     points.dedup();
     points
 }
 
-/// That these are the exact boxes, by brute force on all cores: it takes minutes for millions of points.
+/// Checks that the boxes are exact, by brute force on all cores. It takes minutes for millions of
+/// points.
 fn compare_with_exact(points: &[[f64; 3]], boxes: &[(&Pose, &MinMax)]) -> Result<()> {
     let is_exact = |&(pose, tight): &(&Pose, &MinMax)| {
         let found = tight_box(points, &Affine::new(*pose.linear(), *pose.translation()));
@@ -126,7 +131,8 @@ fn compare_with_exact(points: &[[f64; 3]], boxes: &[(&Pose, &MinMax)]) -> Result
     })
 }
 
-/// The least time of a turn over runs of all poses, as many as there is time for, and over parts of one where there is not.
+/// Returns the minimum time per turn over runs of all poses, or over parts of a run if the time
+/// limit ends it.
 fn seconds_a_turn(way: &mut dyn Realign, poses: &[Pose]) -> f64 {
     let mut best = f64::INFINITY;
     let mut spent = 0.0;
@@ -143,7 +149,7 @@ fn seconds_a_turn(way: &mut dyn Realign, poses: &[Pose]) -> f64 {
     best
 }
 
-/// Climbing beside a look at all vertices, by the size of the hull.
+/// Compares climbing with a scan of all vertices, by the size of the hull.
 fn climbing() -> Result<()> {
     let mut table = Table::new(["vertices", "all, small steps", "climbing", "ratio", "climbing, any turns", "ratio"]);
     let (steps, turns) = (small_steps(1000)?, any_turns(1000)?);
@@ -168,13 +174,13 @@ fn climbing() -> Result<()> {
     Ok(())
 }
 
-/// A million points scanned, beside reading as many bytes.
+/// Compares a scan of a million points with reading as many bytes.
 fn scanning() -> Result<()> {
     const POINTS: usize = 1_000_000;
     let mut rng = Rng::new(7);
     let cloud: Vec<[f32; 3]> = (0..POINTS).map(|_| std::array::from_fn(|_| rng.uniform(-1.0, 1.0) as f32)).collect();
     let mut way = TightPoints::new(&cloud)?;
-    // One by one, so that the best is not spoilt by what else the machine does.
+    // One by one, so that other work on the machine does not spoil the minimum.
     let scan = any_turns(400)?
         .iter()
         .fold(f64::INFINITY, |best, pose| best.min(timed(|| black_box(way.realign(black_box(pose)))).0));
@@ -188,7 +194,7 @@ fn scanning() -> Result<()> {
     Ok(())
 }
 
-/// Boxes of turned boxes, one at a time and many at once.
+/// Times boxes of turned boxes, one by one and in batches.
 fn batches() -> Result<()> {
     const BOXES: usize = 1000;
     let mut rng = Rng::new(8);
@@ -218,7 +224,7 @@ fn batches() -> Result<()> {
     Ok(())
 }
 
-/// Turns about a slowly changing axis, each a small step from the last.
+/// Returns turns about a slowly changing axis, each a small step from the last.
 fn small_steps(count: usize) -> Result<Vec<Pose>> {
     let mut pose = Pose::IDENTITY;
     let mut poses = Vec::with_capacity(count);
@@ -231,7 +237,7 @@ fn small_steps(count: usize) -> Result<Vec<Pose>> {
     Ok(poses)
 }
 
-/// Rotations drawn from all, uniformly.
+/// Returns uniformly distributed rotations.
 fn any_turns(count: usize) -> Result<Vec<Pose>> {
     let mut rng = Rng::new(9);
     let mut poses = Vec::with_capacity(count);

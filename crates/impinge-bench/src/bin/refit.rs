@@ -1,4 +1,4 @@
-//! Refitting beside building, and how trees age under animations.
+//! Refitting compared with building, and the aging of trees under animations.
 //!
 //! `IMPINGE_DATA=... cargo run --release -p impinge-bench --bin refit`
 
@@ -19,29 +19,30 @@ use impinge_testkit::animation::{ANIMATIONS, Animation};
 use impinge_testkit::env_rob::data_folder;
 use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
 
-/// Quads along and round the knots: 20,000 to 2,000,000 triangles.
+/// Numbers of quads along and around the knots: 20,000 to 2,000,000 triangles.
 const SIZES: [[u32; 2]; 3] = [[200, 50], [632, 158], [2000, 500]];
 
-/// How far the knot is turned about its axis for each unit along it, in radians.
+/// Twists of the knot about its axis per unit of length along it, in radians.
 const TWISTS: [f64; 6] = [0.0, 0.25, 0.5, 1.0, 2.0, 4.0];
 
-/// The same as an animation: so many frames, and how far each is turned beyond the one before.
+/// Number of frames of the twist as an animation. Each frame is turned further by
+/// [`TWIST_OF_FRAME`].
 const FRAMES_OF_TWIST: u32 = 40;
 const TWIST_OF_FRAME: f64 = 0.1;
 
-/// Frames of an animation of which one row is printed.
+/// Number of frames per printed row.
 const EVERY: u32 = 10;
 
 /// Times refits and rebuilds, and checks every answer
 #[derive(Parser)]
 struct Arguments {
-    /// Threads to build, refit and ask with
+    /// Number of threads for building, refitting and queries
     #[arg(long, value_name = "N", default_value_t = 1)]
     threads: usize,
-    /// Runs of each
+    /// Number of runs of each
     #[arg(long, value_name = "N", default_value_t = 5)]
     repeats: usize,
-    /// Print one JSON object for each frame of a knot that is twisted and of the recorded animations, and nothing else
+    /// Print only one JSON object for each frame of a twisted knot and of the recorded animations
     #[arg(long)]
     json: bool,
 }
@@ -71,7 +72,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Builds, refits in place and beside a clone, and rebuilds.
+/// Times builds, refits in place, and refits of a copy.
 fn growth(repeats: usize) -> Result<Table<6>> {
     let mut table = Table::new(["triangles", "build", "refit", "refitted", "build / refit", "ns a triangle"]);
     for [along, around] in SIZES {
@@ -103,28 +104,28 @@ fn growth(repeats: usize) -> Result<Table<6>> {
     Ok(table)
 }
 
-/// One of three ways to keep up with a mesh that moves: what its hierarchy costs by the surface area heuristic, and how long
-/// the way took to follow and takes to ask.
+/// One of three methods to follow a mesh that moves: the cost of its hierarchy by the surface area
+/// heuristic, and the times of the update and of a query.
 struct Way {
     cost: f64,
     update: f64,
     query: f64,
 }
 
-/// A frame of a motion, and the ways there.
+/// Frame of a motion, with the three methods.
 struct Frame {
     pairs: usize,
-    /// The watch's, of what was only ever refitted.
+    /// Aging ratio of the mesh that is only refitted.
     ratio: f64,
-    /// How many faces the watch had built anew.
+    /// Number of faces rebuilt by the watched mesh.
     faces: usize,
     refitted: Way,
     watched: Way,
     rebuilt: Way,
 }
 
-/// Follows a mesh by refits alone, by refits with the watch, and by building it anew in each frame; asks each for its pairs
-/// with another mesh, in turns, and compares what they answer.
+/// Follows a mesh by refits only, by refits with partial rebuilds on aging, and by a build in each
+/// frame. Each is queried in turn for its pairs with another mesh, and the answers are compared.
 fn follow(
     still: &Mesh,
     frames: impl IntoIterator<Item = Positions>,
@@ -159,7 +160,7 @@ fn follow(
     Ok(followed)
 }
 
-/// Rows of frames by their names.
+/// Returns rows of frames by their names.
 fn aging_table(first: &'static str, frames: impl IntoIterator<Item = (String, Frame)>) -> Table<8> {
     let mut table =
         Table::new([first, "ratio of costs", "to new", "pairs", "refitted", "watched", "rebuilt", "faces rebuilt"]);
@@ -178,7 +179,8 @@ fn aging_table(first: &'static str, frames: impl IntoIterator<Item = (String, Fr
     table
 }
 
-/// A knot of 200,000 triangles twisted about its axis, more and more, against itself as it was.
+/// Follows a knot of 200,000 triangles that is twisted more and more about its axis, against its
+/// original.
 fn twisted(twists: &[f64], repeats: usize) -> Result<Vec<Frame>> {
     let knot = torus_knot(632, 158, TREFOIL);
     let still = Mesh::with_builder(Positions::F64(knot.vertices.clone()), knot.faces, Builder::Morton)?;
@@ -192,7 +194,7 @@ fn twisted(twists: &[f64], repeats: usize) -> Result<Vec<Frame>> {
     follow(&still, frames, (&still).into(), repeats)
 }
 
-/// A recorded animation against its first frame, moved aside.
+/// Follows a recorded animation against its first frame, moved aside.
 fn animated(folder: &Path, name: &str, repeats: usize) -> Result<Vec<Frame>> {
     let Animation { frames, faces } = Animation::read(folder, name)?;
     let still = Mesh::with_builder(Positions::F32(frames[0].clone()), faces, Builder::Morton)?;
@@ -202,7 +204,7 @@ fn animated(folder: &Path, name: &str, repeats: usize) -> Result<Vec<Frame>> {
     follow(&still, frames.into_iter().map(Positions::F32), still.at(aside), repeats)
 }
 
-/// What `bench/animation.py` reads: one line a frame.
+/// Prints the JSON that `bench/animation.py` reads: one line per frame.
 fn print_json(name: &str, frames: &[Frame]) {
     let way =
         |way: &Way| serde_json::json!({ "cost": way.cost, "update_seconds": way.update, "query_seconds": way.query });

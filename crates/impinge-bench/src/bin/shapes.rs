@@ -1,10 +1,12 @@
-//! Shapes against shapes beside parry3d, pair by pair, in one run on one thread; and two spheres of triangles in light contact.
+//! Shapes against shapes in impinge and parry3d, pair by pair, in one run on one thread; and two
+//! spheres of triangles in light contact.
 //!
 //! `cargo run --release -p impinge-bench --features peers --bin shapes`
 //!
-//! parry3d computes in single precision, so both get numbers that it holds. Both are given the second shape's pose anew for each
-//! question, which for ours includes its bounding box. Ours must be consistent in itself, and where parry3d's distance is farther from
-//! our proved interval than single precision explains, that is counted.
+//! parry3d computes in single precision, so both get numbers that it holds. For each query both get
+//! a new pose of the second shape, which for impinge includes its bounding box. impinge's answers
+//! must be consistent. If parry3d's distance is farther from the proved interval than single
+//! precision explains, it is counted.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
@@ -25,21 +27,21 @@ use parry3d::math::{Pose as ParryPose, Rotation, Vector};
 use parry3d::query as parry;
 use parry3d::shape::{Ball, Capsule, Cone, ConvexPolyhedron, Cuboid, Cylinder, Shape as ParryShape, Triangle};
 
-/// Distances farther than this from our interval, next to sizes of about one, are none that single precision explains.
+/// Maximum deviation from the proved interval that single precision explains, for sizes of about 1.
 const OFF: f64 = 1e-3;
 
 /// Times every pair of kinds of shapes, and two spheres of triangles
 #[derive(Parser)]
 struct Arguments {
-    /// Runs of each question, of which the quickest is told
+    /// Number of runs of each query; the minimum time is printed
     #[arg(long, value_name = "N", default_value_t = 5)]
     repeats: usize,
-    /// Poses of each pair of kinds
+    /// Number of poses of each pair of kinds
     #[arg(long, value_name = "N", default_value_t = 500)]
     poses: usize,
 }
 
-/// A shape for either engine; parry3d's stand about the y axis where ours stand about z, so that they are turned.
+/// Shape for both engines. parry3d's axis is y and impinge's is z, so some shapes must be turned.
 struct Kind {
     name: &'static str,
     ours: Shape,
@@ -87,14 +89,14 @@ fn kinds() -> Result<Vec<Kind>> {
     Ok(kinds)
 }
 
-/// Where the second shape stands, for either engine.
+/// Returns poses of the second shape for both engines.
 fn places(count: usize) -> Result<Vec<(Pose, ParryPose)>> {
     let mut rng = Rng::new(11);
     let mut place = || {
         let turn = poses::rotation(&mut rng);
         let columns = std::array::from_fn(|column| turn.linear.map(|row| row[column] as f32));
         let rotation = Rotation::from_mat3(&parry3d::math::Matrix::from_cols_array_2d(&columns));
-        // Of shapes of about one, half meet at these distances.
+        // Half of the shapes, of size about 1, intersect at these distances.
         let translation: [f32; 3] = std::array::from_fn(|_| rng.uniform(-0.75, 0.75) as f32);
         let [x, y, z, w] = rotation.to_array().map(f64::from);
         let ours = Pose::from_quaternion_wxyz(translation.map(f64::from), [w, x, y, z])?;
@@ -103,7 +105,7 @@ fn places(count: usize) -> Result<Vec<(Pose, ParryPose)>> {
     (0..count).map(|_| place()).collect()
 }
 
-/// The least seconds that a question takes, over all places.
+/// Returns the minimum time per query over all poses, in seconds.
 fn quickest<T>(repeats: usize, places: &[(Pose, ParryPose)], ask: impl Fn(&(Pose, ParryPose)) -> T) -> f64 {
     let run = || anyhow::Ok(timed(|| places.iter().for_each(|place| _ = black_box(ask(black_box(place))))).0);
     Samples::take(repeats, run).map_or(f64::NAN, |samples| samples.min() / places.len() as f64)
@@ -113,7 +115,7 @@ fn pair(a: &Kind, b: &Kind, count: usize, repeats: usize) -> Result<[String; 9]>
     let places = places(count)?;
     let first = a.ours.at(Pose::IDENTITY)?;
     let second = |place: &(Pose, ParryPose)| b.ours.at(place.0).expect("a rigid pose");
-    // Takes what stands about z to what stands about y.
+    // Maps the z axis to the y axis.
     let upright = ParryPose::from_parts(Vector::ZERO, Rotation::from_rotation_x(std::f32::consts::FRAC_PI_2));
     let turned = |kind: &Kind, pose: ParryPose| if kind.is_about_y { pose * upright } else { pose };
     let here = turned(a, ParryPose::IDENTITY);
@@ -148,7 +150,7 @@ fn pair(a: &Kind, b: &Kind, count: usize, repeats: usize) -> Result<[String; 9]>
     Ok([name, meet, their_meet, distance, their_distance, depth, their_depth, share(off), share(meeting)])
 }
 
-/// Two spheres of 20,480 triangles, ever deeper in each other.
+/// Times two spheres of 20,480 triangles at increasing depth.
 fn spheres(repeats: usize) -> Result<Table<7>> {
     let sphere = solids::icosphere(5);
     let sphere = Mesh::new(Positions::F64(sphere.vertices), sphere.faces)?;

@@ -1,5 +1,5 @@
-//! A BSP tree over the faces of a solid beside the hierarchy of its mesh: what it costs to build, and what points and rays cost
-//! then. Every answer is compared.
+//! BSP tree over the faces of a solid compared with the hierarchy of its mesh: build times, and
+//! times of points and rays. Every answer is compared.
 //!
 //! `cargo run --release -p impinge-bench --bin solid_bsp`
 
@@ -15,16 +15,17 @@ use impinge_bench::table::{Table, time};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
 
-/// Times points and rays in a BSP tree over a knot and in the knot's own hierarchy, on one thread, and compares the answers
+/// Times points and rays in a BSP tree over a knot and in the knot's own hierarchy, on one thread,
+/// and compares the answers
 #[derive(Parser)]
 struct Arguments {
-    /// Quads along the knots and, a quarter of that, round their tubes
+    /// Numbers of quads along the knots; a quarter of each is used around their tubes
     #[arg(long, value_name = "N", value_delimiter = ',', default_values_t = [200, 632, 2000])]
     along: Vec<u32>,
-    /// Points and rays, uniform in the knot's box enlarged by a tenth
+    /// Number of points and of rays, uniform in the knot's box enlarged by 10 %
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     count: usize,
-    /// Runs of each question, of which the quickest is told
+    /// Number of runs of each query; the minimum time is printed
     #[arg(long, value_name = "N", default_value_t = 5)]
     repeats: usize,
 }
@@ -59,7 +60,7 @@ fn questions(mesh: &Mesh, tree: &SolidBsp, count: usize, repeats: usize) -> Resu
     let (points, rays) = (points(mesh, count), rays(mesh, count)?);
     let each = |seconds: f64| time(seconds / count as f64);
     let by_tree = || points.iter().map(|&point| tree.contains(point)).collect::<Result<Vec<_>, _>>();
-    // In cells where nobody has been, the winding number is asked for.
+    // In cells that were not visited before, the winding number is computed.
     let (first, contained) = timed(by_tree);
     let contained = contained?;
     let (again, same) = quickest(repeats, by_tree);
@@ -74,7 +75,7 @@ fn questions(mesh: &Mesh, tree: &SolidBsp, count: usize, repeats: usize) -> Resu
     Ok([triangles, each(whole), each(first), each(again), each(cast_mesh), each(cast_tree)])
 }
 
-/// The least seconds of some runs, and what one answered.
+/// Returns the minimum time of some runs in seconds, and the last answer.
 fn quickest<T>(repeats: usize, mut ask: impl FnMut() -> T) -> (f64, T) {
     let (mut least, mut answer) = timed(&mut ask);
     for _ in 1..repeats {
@@ -84,7 +85,7 @@ fn quickest<T>(repeats: usize, mut ask: impl FnMut() -> T) -> (f64, T) {
     (least, answer)
 }
 
-/// Uniform in the box of the mesh enlarged by a tenth.
+/// Returns uniform points in the box of the mesh enlarged by 10 %.
 fn points(mesh: &Mesh, count: usize) -> Vec<[f64; 3]> {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for corner in (0..mesh.faces().len() as u32).flat_map(|face| mesh.corners(face)) {
@@ -101,7 +102,7 @@ fn points(mesh: &Mesh, count: usize) -> Vec<[f64; 3]> {
     (0..count).map(|_| point()).collect()
 }
 
-/// From one such point towards another.
+/// Returns rays from one such point toward another.
 fn rays(mesh: &Mesh, count: usize) -> Result<Vec<Ray>> {
     let ends = points(mesh, 2 * count);
     let rays = ends.as_chunks::<2>().0.iter().map(|[from, to]| Ray::new(*from, [0, 1, 2].map(|k| to[k] - from[k])));

@@ -1,5 +1,5 @@
-//! Questions about solids: winding numbers of points, meshes nested in each other and apart, interiors that meet or only
-//! touch, and meshes that meet themselves. Every answer is checked.
+//! Queries about solids: winding numbers of points, meshes nested in each other and apart,
+//! interiors that overlap or only touch, and self-intersections. Every answer is checked.
 //!
 //! `cargo run --release -p impinge-bench --bin solids`
 
@@ -21,19 +21,19 @@ use impinge_testkit::generate::{Rng, solids};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-/// Points that are asked for in each mesh, uniform in its box enlarged by a tenth.
+/// Number of points per mesh, uniform in its box enlarged by 10 %.
 const POINTS: usize = 100_000;
 
-/// Times questions about solids, and checks every answer
+/// Times queries about solids, and checks every answer
 #[derive(Parser)]
 struct Arguments {
-    /// Threads to build and to ask with
+    /// Number of threads for building and queries
     #[arg(long, value_name = "N", default_value_t = 1)]
     threads: usize,
-    /// Runs of each question, of which the quickest is told
+    /// Number of runs of each query; the minimum time is printed
     #[arg(long, value_name = "N", default_value_t = 3)]
     repeats: usize,
-    /// Quads along the knot and, a quarter of that, round its tube
+    /// Number of quads along the knot; a quarter of it is used around its tube
     #[arg(long, value_name = "N", default_value_t = 2000)]
     along: u32,
 }
@@ -45,7 +45,7 @@ fn main() -> Result<()> {
     meshes(along, repeats)
 }
 
-/// The least seconds of some runs, and the answer, which is the same in all.
+/// Returns the minimum time of some runs in seconds, and the answer, which must be the same in all.
 fn quickest<T: PartialEq>(repeats: usize, mut ask: impl FnMut() -> T) -> Result<(f64, T)> {
     let (mut least, answer) = timed(&mut ask);
     for _ in 1..repeats {
@@ -98,7 +98,7 @@ fn points(repeats: usize) -> Result<()> {
 fn meshes(along: u32, repeats: usize) -> Result<()> {
     let build = |mesh: impinge_testkit::Mesh| Mesh::new(Positions::F64(mesh.vertices), mesh.faces);
     let knot = build(torus_knot(along, along / 4, TREFOIL))?;
-    // Inside the other all along.
+    // It lies inside the other one everywhere.
     let thin = build(torus_knot(along, along / 4, Knot { radius: 0.2, ..TREFOIL }))?;
     let mut table = Table::new(["", "first", "again", "answer"]);
     let mut ask = |name: &str, question: &dyn Fn() -> Result<String>, expected: &str| -> Result<()> {
@@ -136,7 +136,7 @@ fn meshes(along: u32, repeats: usize) -> Result<()> {
     Ok(())
 }
 
-/// A block of unit height whose upper and lower sides are grids of `n` by `n` squares.
+/// Returns a block of unit height whose upper and lower sides are grids of `n` by `n` squares.
 fn block(n: u32) -> impinge_testkit::Mesh {
     let top = solids::plane_grid(n, n);
     let offset = top.vertices.len() as u32;

@@ -1,11 +1,12 @@
-//! impinge beside obvhs, in one run on one thread: builds of a tree, and the first hit of rays through it.
+//! impinge and obvhs in one run on one thread: builds of a tree, and first hits of rays.
 //!
 //! `cargo run --release -p impinge-bench --features peers --bin trees`
 //!
-//! A build of impinge is that of a whole mesh: judged, and with its triangles packed for queries; one of obvhs is that of the wide
-//! tree over triangles already laid out, and of the binary tree that it is made from. obvhs computes in single precision, so both
-//! get vertices that are rounded to it; its rays then meet triangles by Möller and Trumbore's test, which is not exact along edges,
-//! so that a few of its rays pass between two triangles: they are counted.
+//! A build of impinge is that of a whole mesh: validated, and with its triangles packed for
+//! queries. A build of obvhs is that of the wide tree over triangles in memory, and of the binary
+//! tree from which it is made. obvhs computes in single precision, so both get vertices rounded to
+//! it. Its rays use the test of Möller and Trumbore, which is not exact along edges, so a few of
+//! its rays pass between two triangles. They are counted.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
@@ -30,15 +31,15 @@ use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::ray::RayHit;
 use obvhs::triangle::Triangle;
 
-/// Times impinge and obvhs on the same floats, and compares where their rays hit.
+/// Times impinge and obvhs on the same floats, and compares the hits of their rays.
 #[derive(Parser)]
 struct Arguments {
     #[command(flatten)]
     mesh: Choice,
-    /// Runs of each build and of all rays
+    /// Number of runs of each build and of all rays
     #[arg(long, value_name = "N", default_value_t = 5)]
     repeats: usize,
-    /// Rays
+    /// Number of rays
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     rays: usize,
 }
@@ -121,7 +122,7 @@ fn built(positions: &[[f32; 3]], faces: &[[u32; 3]], builder: Builder, repeats: 
     Ok((mesh.context("no build was asked for")?, samples))
 }
 
-/// Rays from outside of the mesh to somewhere in its box, of which many hit it.
+/// Returns rays from outside the mesh to points in its box. Many hit it.
 fn rays_at(surface: &Surface, count: usize) -> Result<Vec<Ray>> {
     let [low, high] = surface.bounds();
     let middle: [f64; 3] = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]));
@@ -144,7 +145,7 @@ fn rays_at(surface: &Surface, count: usize) -> Result<Vec<Ray>> {
 
 type Hits = Vec<Option<f64>>;
 
-/// Where each ray hits first, and the seconds that a ray takes.
+/// Returns the first hit of each ray, and the time per ray in seconds.
 fn cast_all(repeats: usize, rays: usize, cast: impl Fn() -> Hits) -> Result<(Hits, Samples)> {
     let mut hits = cast();
     let seconds = Samples::take(repeats, || {
@@ -164,7 +165,8 @@ fn first_hit(tree: &CwBvh, triangles: &[Triangle], ray: &Ray) -> Option<f64> {
     meets.then_some(f64::from(hit.t))
 }
 
-/// How many hit elsewhere, by more than single precision explains, or one and not the other.
+/// Returns the number of rays whose hits differ by more than single precision explains, or of which
+/// only one hits.
 fn differing(found: &Hits, truth: &Hits) -> usize {
     let alike = |(found, truth): &(&Option<f64>, &Option<f64>)| match (found, truth) {
         (Some(found), Some(truth)) => (found - truth).abs() <= 1e-4 * truth,

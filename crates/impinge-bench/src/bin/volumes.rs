@@ -1,4 +1,5 @@
-//! Bounding volumes of real meshes, and the minimal sphere of a million points beside the speed of memory.
+//! Bounding volumes of real meshes, and the minimal sphere of a million points compared with the
+//! speed of memory.
 //!
 //! `IMPINGE_DATA=... cargo run --release -p impinge-bench --bin volumes`
 
@@ -23,20 +24,21 @@ use impinge_testkit::generate::Rng;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-/// Beside the human that travels with the project: scans and CAD parts in the folder that `IMPINGE_DATA` names.
+/// Scans and CAD parts in the folder that `IMPINGE_DATA` names. The human mesh of the repository is
+/// always measured.
 const MESHES: [&str; 4] =
     ["meshes/stanford-bunny.obj", "meshes/igea.ply", "big/cad_ventilator.ply.gz", "big/cad_11752.ply.gz"];
 
-/// Times bounding volumes, and checks that they hold every point
+/// Times bounding volumes, and checks that they contain every point
 #[derive(Parser)]
 struct Arguments {
-    /// Runs of each construction
+    /// Number of runs of each construction
     #[arg(long, value_name = "N", default_value_t = 5)]
     repeats: usize,
-    /// Threads to fit with
+    /// Number of threads for fitting
     #[arg(long, value_name = "N", default_value_t = 1)]
     threads: usize,
-    /// Leave the real meshes out
+    /// Skip the real meshes
     #[arg(long)]
     clouds: bool,
 }
@@ -45,7 +47,7 @@ type Construct = fn(&[[f64; 3]]) -> Result<FittedSphere, impinge::InputError>;
 
 const SPHERES: [(&str, Construct); 6] = [
     ("mean", fit::mean_sphere),
-    ("box centre", fit::box_sphere),
+    ("box center", fit::box_sphere),
     ("Ritter", fit::ritter_sphere),
     ("PCA", fit::principal_sphere),
     ("refined", fit::refined_sphere),
@@ -69,7 +71,7 @@ fn main() -> Result<()> {
     let points: Vec<(String, Vec<[f64; 3]>)> =
         meshes.into_iter().map(|(name, surface)| (name, corners(&surface))).collect();
     println!("\nRadius over the minimal one, and time");
-    let mut table = Table::new(["", "points", "mean", "box centre", "Ritter", "PCA", "refined", "minimal"]);
+    let mut table = Table::new(["", "points", "mean", "box center", "Ritter", "PCA", "refined", "minimal"]);
     for (name, points) in &points {
         table.row(spheres(name, points, repeats)?);
     }
@@ -84,8 +86,8 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// The minimal sphere of a million points, in milliseconds and in passes over memory: as many times as it takes one thread to
-/// add up all coordinates.
+/// Times the minimal sphere of a million points, in milliseconds and in passes over memory. A pass
+/// is the time of one thread to add up all coordinates.
 fn minimal_beside_memory(repeats: usize) -> Result<()> {
     const COUNT: usize = 1_000_000;
     let mut rng = Rng::new(1);
@@ -123,7 +125,7 @@ fn passes<T: Coordinate>(name: &str, cloud: &[[T; 3]], repeats: usize) -> Result
     Ok([name.to_owned(), time(samples.min()), time(samples.median()), time(pass.min()), ratio])
 }
 
-/// The sum of all coordinates, by lanes, so that nothing but memory takes time.
+/// Returns the sum of all coordinates, by lanes, so that only memory takes time.
 fn sum<T: Coordinate>(cloud: &[[T; 3]]) -> f64 {
     let mut lanes = [0.0; 32];
     let (groups, _) = cloud.as_flattened().as_chunks::<32>();
@@ -188,7 +190,7 @@ fn measure<V: BoundingVolume>(
     Ok((volume.volume(), seconds))
 }
 
-/// The vertices that some face uses.
+/// Returns the vertices that a face uses.
 fn corners(surface: &Surface) -> Vec<[f64; 3]> {
     let mut used = vec![false; surface.positions.len()];
     surface.faces.iter().flatten().for_each(|&vertex| used[vertex as usize] = true);

@@ -12,7 +12,7 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use impinge::hierarchy::Builder;
 use impinge::mesh::PlacedMesh;
-use impinge::query::{self, Curves, Distance, Penetrates, SolidIntersection, SomePairs};
+use impinge::query::{self, Curves, Distance, LimitedPairs, Penetrates, SolidIntersection};
 use impinge::{InputError, Pose};
 use impinge_files::Unit;
 
@@ -252,7 +252,7 @@ fn answer(arguments: &Arguments, poses: [Pose; 2]) -> Result<Outcome, Failure> {
     };
     let (outcome, query) = timed("intersecting", || {
         let [a, b] = start.placed(arguments.solid.map_or([false; 2], SolidArgument::sides));
-        let SomePairs { pairs, truncated } = query::intersecting_pairs_up_to(a, b, MAX_PAIRS);
+        let LimitedPairs { pairs, truncated } = query::intersecting_pairs_up_to(a, b, MAX_PAIRS);
         if truncated {
             let message = format!("more than {} pairs of faces intersect", numerals::count(MAX_PAIRS));
             return Err(Failure::new("too-many", message).hint("run impinge inspect to look for duplicate faces"));

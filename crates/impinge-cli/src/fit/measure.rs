@@ -9,8 +9,8 @@ use impinge::query;
 use impinge::shape::Shape;
 use impinge::volume::fit::{self, FittedSphere};
 use impinge::volume::{
-    BoundingSphere, BoundingVolume, Capsule, CentreRadius, Kdop14, Kdop18, Kdop26, Lozenge, MinMax, MinWidths, Obb,
-    PackedCentreRadius, PackedMinWidths, Steps,
+    BoundingSphere, BoundingVolume, Capsule, CenterRadius, Kdop14, Kdop18, Kdop26, Lozenge, MinMax, MinWidths, Obb,
+    PackedCenterRadius, PackedMinWidths, Steps,
 };
 use impinge::{InputError, Pose};
 
@@ -78,7 +78,7 @@ pub(super) fn rows(points: &[[f64; 3]]) -> Result<Vec<Row>, InputError> {
     let mut rows = vec![
         plain::<MinMax>("box, min-max", &poses, &|| MinMax::of(points))?,
         plain::<MinWidths>("box, min-widths", &poses, &|| MinWidths::of_points(points))?,
-        plain::<CentreRadius>("box, centre-radius", &poses, &|| CentreRadius::of_points(points))?,
+        plain::<CenterRadius>("box, centre-radius", &poses, &|| CenterRadius::of_points(points))?,
     ];
     rows.extend(packed(points, &poses));
     type Construct = fn(&[[f64; 3]]) -> Result<FittedSphere, InputError>;
@@ -167,13 +167,13 @@ fn packed(points: &[[f64; 3]], poses: &Poses) -> Vec<Row> {
         )
     }
     fn radii<T: Steps>(name: &'static str, points: &[[f64; 3]], poses: &Poses) -> Result<Row, InputError> {
-        measure::<PackedCentreRadius<T>>(
+        measure::<PackedCenterRadius<T>>(
             &Kind {
                 name,
-                build: &|| CentreRadius::of_points(points)?.try_into(),
-                overlap: PackedCentreRadius::overlaps,
-                follow: |packed, pose| CentreRadius::from(*packed).moved(pose)?.try_into(),
-                measures: |packed| [packed.volume(), CentreRadius::from(*packed).surface_area()],
+                build: &|| CenterRadius::of_points(points)?.try_into(),
+                overlap: PackedCenterRadius::overlaps,
+                follow: |packed, pose| CenterRadius::from(*packed).moved(pose)?.try_into(),
+                measures: |packed| [packed.volume(), CenterRadius::from(*packed).surface_area()],
             },
             poses,
         )

@@ -102,10 +102,10 @@ pub(super) fn object(outcome: &Outcome<'_>) -> String {
 
 fn numbers(volume: &HitVolume) -> Numbers {
     match volume {
-        HitVolume::Sphere(sphere) => Numbers::Sphere { centre: sphere.centre(), radius: sphere.radius() },
+        HitVolume::Sphere(sphere) => Numbers::Sphere { centre: sphere.center(), radius: sphere.radius() },
         HitVolume::Capsule(capsule) => Numbers::Capsule { ends: capsule.ends(), radius: capsule.radius() },
         HitVolume::Box(obb) => {
-            Numbers::Box { centre: obb.centre(), axes: obb.axes(), half_extents: obb.half_extents() }
+            Numbers::Box { centre: obb.center(), axes: obb.axes(), half_extents: obb.half_extents() }
         }
         HitVolume::Lozenge(plate) => {
             Numbers::Lozenge { corner: plate.corner(), edges: plate.edges(), radius: plate.radius() }

@@ -113,8 +113,8 @@ fn volumes(canvas: &mut Canvas, camera: &Camera, corner: [f64; 2], character: &C
     let posed = Posed::new(character, pose);
     let [right, down] = camera.right_and_down();
     let depth = |part: usize| {
-        let (centre, _) = character.parts()[part].volume().bounding_sphere();
-        camera.project(posed.frames()[part].apply(centre))[2]
+        let (center, _) = character.parts()[part].volume().bounding_sphere();
+        camera.project(posed.frames()[part].apply(center))[2]
     };
     let mut order: Vec<usize> = (0..character.parts().len()).collect();
     order.sort_by(|&a, &b| depth(b).total_cmp(&depth(a)));

@@ -74,7 +74,7 @@ fn frame(tree: &Tree<'_>, root: Id) -> Result<(Unit, Affine), LoadError> {
     let of_asset = |name: &str| asset.and_then(|asset| tree.child(asset, name));
     let (unit, scale) = match of_asset("unit") {
         Some(element) => unit(tree, element)?,
-        None => (Unit::Metre, 1.0),
+        None => (Unit::Meter, 1.0),
     };
     let k = scale;
     let rows = match of_asset("up_axis") {
@@ -97,12 +97,12 @@ fn unit(tree: &Tree<'_>, element: Id) -> Result<(Unit, f64), LoadError> {
     /// Maximum relative difference between a stated length and that of a unit. Many lengths are
     /// written from 32-bit floats.
     const TOLERANCE: f64 = 1e-6;
-    let Some(text) = tree.attribute(element, "meter") else { return Ok((Unit::Metre, 1.0)) };
+    let Some(text) = tree.attribute(element, "meter") else { return Ok((Unit::Meter, 1.0)) };
     // Some exporters write a decimal comma if the user's language has one.
     let meters = number(text.trim().replace(',', ".").as_bytes());
     let Some(meters) = meters.filter(|meters| meters.is_finite() && *meters > 0.0) else {
         return Err(LoadError::syntax("a positive length in meters", text.as_bytes()).at(tree.place(element)));
     };
-    let matches = |unit: &Unit| (unit.metres() - meters).abs() <= TOLERANCE * meters;
-    Ok(Unit::ALL.into_iter().find(matches).map_or((Unit::Metre, meters), |unit| (unit, 1.0)))
+    let matches = |unit: &Unit| (unit.meters() - meters).abs() <= TOLERANCE * meters;
+    Ok(Unit::ALL.into_iter().find(matches).map_or((Unit::Meter, meters), |unit| (unit, 1.0)))
 }

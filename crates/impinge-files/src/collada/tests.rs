@@ -133,7 +133,7 @@ fn nodes_place_geometries_as_named_parts() {
         [1, 6, 10, 16].map(|i| model.positions.get(i)),
         [[10., 1., 0.], [10., -2., 0.], [0., 0., 5.], [1., 0., 0.]]
     );
-    assert_eq!((model.unit, model.format), (Some(Unit::Metre), Format::Collada));
+    assert_eq!((model.unit, model.format), (Some(Unit::Meter), Format::Collada));
     assert!(matches!(model.positions, Positions::F32(_)));
 }
 
@@ -181,7 +181,7 @@ fn frames_have_units_and_axes() {
         let model = parse(&[&text[..start], asset, &text[end..]].concat());
         (model.positions.get(0), model.unit)
     };
-    let meter = Some(Unit::Metre);
+    let meter = Some(Unit::Meter);
     assert_eq!(load("<asset><up_axis>Z_UP</up_axis></asset>"), ([1.0, 2.0, 3.0], meter));
     assert_eq!(load("<asset><up_axis> Y_UP\n</up_axis></asset>"), ([1.0, -3.0, 2.0], meter));
     assert_eq!(load("<asset><up_axis>X_UP</up_axis></asset>"), ([-2.0, -3.0, 1.0], meter));
@@ -189,8 +189,8 @@ fn frames_have_units_and_axes() {
     assert_eq!(load(""), ([1.0, -3.0, 2.0], meter));
     let unit = |meter: &str| load(&format!("<asset><unit meter=\"{meter}\"/><up_axis>Z_UP</up_axis></asset>"));
     assert_eq!(unit("0.0254"), ([1.0, 2.0, 3.0], Some(Unit::Inch)));
-    assert_eq!(unit("0,01"), ([1.0, 2.0, 3.0], Some(Unit::Centimetre)));
-    assert_eq!(unit("0.00999999977648258"), ([1.0, 2.0, 3.0], Some(Unit::Centimetre)));
+    assert_eq!(unit("0,01"), ([1.0, 2.0, 3.0], Some(Unit::Centimeter)));
+    assert_eq!(unit("0.00999999977648258"), ([1.0, 2.0, 3.0], Some(Unit::Centimeter)));
     assert_eq!(unit("1000"), ([1000.0, 2000.0, 3000.0], meter));
     let wrong = |from: &str, to: &str| error(&text.replace(from, to));
     assert_eq!(wrong("meter=\"1\"", "meter=\"0\""), "line 3: expected a positive length in meters, found \"0\"");

@@ -63,7 +63,7 @@ pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Resul
         reader.instance(instance)?;
     }
     let Reader { positions, parts, faces, .. } = reader;
-    faces.into_model(Positions::F32(positions), parts, Some(Unit::Metre), format)
+    faces.into_model(Positions::F32(positions), parts, Some(Unit::Meter), format)
 }
 
 fn read_document(json: &[u8], format: Format) -> Result<Document, LoadError> {

@@ -77,7 +77,7 @@ fn transforms_compose_and_mirrors_reverse_the_winding() {
     assert_eq!(model.faces, [[0, 1, 2], [5, 7, 6], [10, 11, 12]]);
     assert_eq!(model.parts, ["turned", "m", "m"]);
     assert_eq!(model.part_of, [0, 1, 2]);
-    assert_eq!(model.unit, Some(Unit::Metre));
+    assert_eq!(model.unit, Some(Unit::Meter));
     let Positions::F32(p) = model.positions else { panic!("glTF is f32") };
     // The rotation by 90 degrees is exact, although the length of its quaternion is not exactly 1.
     assert_eq!(p[1..3], [[10.0, 2.0, 0.0], [8.0, 0.0, 0.0]]);

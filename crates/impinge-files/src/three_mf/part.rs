@@ -212,7 +212,7 @@ impl PartReader {
 fn read_unit(model: &BytesStart<'_>) -> Result<Unit, LoadError> {
     match attributes(model).find(|(key, _)| *key == "unit") {
         // Default of the specification.
-        None => Ok(Unit::Millimetre),
+        None => Ok(Unit::Millimeter),
         Some((_, value)) => {
             Unit::from_3mf(value.trim()).ok_or_else(|| LoadError::syntax("a unit of 3MF", value.as_bytes()))
         }

@@ -84,7 +84,7 @@ fn prefixes_defaults_and_foreign_elements_are_read() {
         </c:resources><c:build><c:item objectid="1"/></c:build></c:model>"#
     );
     let model = read(&with_model(&text)).unwrap();
-    assert_eq!((model.faces.len(), model.positions.len(), model.unit), (1, 3, Some(Unit::Millimetre)));
+    assert_eq!((model.faces.len(), model.positions.len(), model.unit), (1, 3, Some(Unit::Millimeter)));
     assert!(read(&with_model("<model/>")).unwrap().faces.is_empty());
 }
 

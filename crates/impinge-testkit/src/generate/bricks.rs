@@ -1,35 +1,36 @@
 //! Solids of many bodies on a lattice. The bodies of one mesh share walls, edges and corners,
-//! overlap, or stand in hollows.
+//! overlap, or lie in hollows.
 //!
-//! A brick is a box between two points of the integer lattice. It winds round each of its cells
-//! once, or once the other way if it is turned inside out. So the winding number of each cell is a
-//! sum of integers, and whether the interiors of two sets of bricks intersect is a question about
-//! cells, which takes no geometry.
+//! A brick is a box between two points of the integer lattice. It winds around each of its cells
+//! once, or once in the opposite sense if it is turned inside out. So the winding number of each
+//! cell is a sum of integers, and whether the interiors of two sets of bricks intersect is decided
+//! by comparing cells. It checks `query::penetrates`, in `tests/it/solids/bricks.rs` and
+//! `fuzz/targets/bricks.rs`.
 
 use std::collections::BTreeMap;
 
 use super::Rng;
 use crate::Mesh;
 
-/// A box on the integer lattice. A brick without thickness is a membrane: both of its sides are
-/// there, and no interior.
+/// Box on the integer lattice. A brick without thickness is a membrane: it has both sides and no
+/// interior.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Brick {
-    /// The least coordinates.
+    /// Smallest coordinates.
     pub low: [i64; 3],
-    /// The greatest coordinates.
+    /// Largest coordinates.
     pub high: [i64; 3],
-    /// Whether the corners of its faces turn clockwise seen from outside.
+    /// Whether the corners of its faces are clockwise as seen from outside.
     pub inside_out: bool,
 }
 
-/// How the sides of bricks are cut into triangles.
+/// Way to cut the sides of bricks into triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cut {
-    /// Unit squares, each with the diagonal that every brick of the lattice has there: faces of one
-    /// mesh have in common only corners, edges or all of themselves.
+    /// Unit squares, each with the same diagonal for every brick of the lattice. Faces of one mesh
+    /// have only corners, edges or whole faces in common.
     AsLattice,
-    /// Unit squares, each with a random diagonal: a shared wall may be cut in two ways.
+    /// Unit squares, each with a random diagonal, so that a shared wall may be cut in two ways.
     ByChance,
     /// Two triangles for each side, which may overlap parts of other sides.
     Whole,
@@ -40,7 +41,7 @@ pub enum Cut {
 pub struct Scene {
     /// The bricks of either mesh, each set in its own frame.
     pub bricks: [Vec<Brick>; 2],
-    /// How far the second set is moved, in half units.
+    /// Translation of the second set, in half units.
     pub half_steps: [i64; 3],
 }
 
@@ -50,7 +51,7 @@ impl Brick {
         Self { low, high, inside_out: false }
     }
 
-    /// Returns the unit cube whose least corner is a point of the lattice.
+    /// Returns the unit cube whose smallest corner is `low`.
     pub fn unit(low: [i64; 3]) -> Self {
         Self::new(low, low.map(|x| x + 1))
     }
@@ -103,8 +104,8 @@ fn add_side(rng: &mut Rng, mesh: &mut Mesh, brick: &Brick, axis: usize, upper: b
     }
 }
 
-/// Returns how often the bricks wind round each cell of the lattice, named by its least corner. Cells
-/// that are left out have zero.
+/// Returns the winding number of each cell of the lattice, by its smallest corner. Cells with zero
+/// are omitted.
 pub fn windings(bricks: &[Brick]) -> BTreeMap<[i64; 3], i64> {
     let mut windings = BTreeMap::new();
     for brick in bricks {
@@ -126,20 +127,22 @@ impl Scene {
         self.cells_are_nearer_than(2)
     }
 
-    /// Reports whether a cell inside the first set has a point in common with one inside the second.
+    /// Reports whether a cell inside the first set has a point in common with one inside the
+    /// second.
     pub fn touches(&self) -> bool {
         self.cells_are_nearer_than(3)
     }
 
-    /// Reports whether a cell of either set is less than `half_units` from a cell of the other along every axis.
+    /// Reports whether a cell of one set is less than `half_units` from a cell of the other along
+    /// every axis.
     fn cells_are_nearer_than(&self, half_units: i64) -> bool {
         let [a, b] = [0, 1].map(|side| windings(&self.bricks[side]));
         a.keys()
             .any(|p| b.keys().any(|q| (0..3).all(|k| (2 * p[k] - 2 * q[k] - self.half_steps[k]).abs() < half_units)))
     }
 
-    /// Returns a scene of one of several kinds: floors of bricks, heaps of boxes and membranes, unit cubes
-    /// that share edges and corners, or hollow boxes. A few are large.
+    /// Returns a random scene: floors of bricks, heaps of boxes and membranes, unit cubes that
+    /// share edges and corners, or hollow boxes. A few are large.
     pub fn random(rng: &mut Rng) -> Self {
         let large = rng.one_in(80);
         let mut step = |sparse: u64| if rng.one_in(sparse) { rng.integer(-3, 3) } else { 2 * rng.integer(-2, 2) };
@@ -153,7 +156,7 @@ impl Scene {
         Self { bricks, half_steps }
     }
 
-    /// Returns two floors of unit bricks, the second one at any place beside, upon or in the first.
+    /// Returns two floors of unit bricks, the second one beside, on or in the first.
     fn floors(rng: &mut Rng, large: bool) -> Self {
         let mut floor = || {
             let [length, width] = [0, 1].map(|_| if large { rng.integer(3, 4) } else { rng.integer(1, 2) });
@@ -181,19 +184,19 @@ fn heap(rng: &mut Rng) -> Vec<Brick> {
         .collect()
 }
 
-/// Returns the length of a brick along an axis. Most are short, so that many scenes take little time.
+/// Returns the length of a brick along an axis. Most are short, so that scenes take little time.
 fn length(rng: &mut Rng) -> i64 {
     if rng.one_in(4) { 2 } else { 1 }
 }
 
-/// Returns unit cubes, of which no two are in one place.
+/// Returns unit cubes in different places.
 fn scattered(rng: &mut Rng, large: bool) -> Vec<Brick> {
     let sparse = if large { 2 } else { 9 };
     let cells = (0..27).map(|i| [i / 9, i / 3 % 3, i % 3]);
     cells.filter(|_| rng.one_in(sparse)).map(Brick::unit).collect()
 }
 
-/// Returns a box with a hollow, in which something may stand.
+/// Returns a box with a hollow, which may contain a unit cube.
 fn hollow(rng: &mut Rng) -> Vec<Brick> {
     let low: [i64; 3] = std::array::from_fn(|_| rng.integer(0, 1));
     let hole = Brick::new(low, low.map(|x| x + length(rng))).turned();
@@ -223,7 +226,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn windings_add_up() {
+    fn windings_of_overlapping_bricks_add_up() {
         let shell = [Brick::new([0; 3], [3; 3]), Brick::unit([1; 3]).turned(), Brick::new([0; 3], [2, 2, 0])];
         let windings = windings(&shell);
         assert_eq!((windings.len(), windings.get(&[1; 3])), (26, None));
@@ -231,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_tell_touching_from_penetrating() {
+    fn cells_distinguish_touching_from_penetrating() {
         let scene = |half_steps| Scene { bricks: [vec![Brick::unit([0; 3])], vec![Brick::unit([0; 3])]], half_steps };
         let answers = |half_steps| (scene(half_steps).penetrates(), scene(half_steps).touches());
         assert_eq!(answers([1, 1, -1]), (true, true));
@@ -240,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn sides_are_cut_as_they_say() {
+    fn each_cut_has_its_number_of_faces() {
         let brick = [Brick::new([0; 3], [2, 1, 1])];
         let faces = |cut| mesh(&mut Rng::new(1), &brick, cut).faces.len();
         assert_eq!([Cut::AsLattice, Cut::ByChance, Cut::Whole].map(faces), [20, 20, 12]);

@@ -1,30 +1,32 @@
-//! The bumpy torus knot and the meshes of the headline benchmark.
+//! Bumpy torus knot and the other meshes of the headline benchmark.
 //!
-//! They are those of a NumPy script, so that other engines can be asked about the same meshes. Its tangent is a difference
-//! over 2e-4, which magnifies the last bit of a cosine ten thousand times: a vertex here lies within 2e-12 of the script's and
-//! not on it. Across machines, these bytes are the same and the script's are not.
+//! A NumPy script makes the same meshes, so that other engines can be compared on them. Its tangent
+//! is a difference over 2e-4, which magnifies the last bit of a cosine ten thousand times. So a
+//! vertex here lies within 2e-12 of the script's, and is not equal to it. These bytes are the same
+//! on every machine, and the script's are not.
 
 use super::{Rng, cos, sin, solids::cube_sphere};
 use crate::Mesh;
 use std::f64::consts::TAU;
 
-/// How a tube winds and how thick it is.
+/// Shape of a tube around a torus knot.
 #[derive(Clone, Copy, Debug)]
 pub struct Knot {
-    /// Turns round the axis.
+    /// Number of turns around the axis.
     pub p: f64,
-    /// Turns through the hole.
+    /// Number of turns through the hole.
     pub q: f64,
-    /// Radius of the tube; the knot itself lies between 1 and 3 of the axis.
+    /// Radius of the tube. The knot's center line is between 1 and 3 from the axis.
     pub radius: f64,
-    /// Height of the bumps, as a part of the radius.
+    /// Height of the bumps as a fraction of the radius.
     pub bump: f64,
 }
 
-/// The knot of the benchmark.
+/// Knot of the benchmark.
 pub const TREFOIL: Knot = Knot { p: 2.0, q: 3.0, radius: 0.4, bump: 0.03 };
 
-/// A closed bumpy tube round a torus knot: `along * around` vertices, twice as many faces.
+/// Returns a closed bumpy tube around a torus knot: `along * around` vertices, and twice as many
+/// faces.
 pub fn torus_knot(along: u32, around: u32, knot: Knot) -> Mesh {
     let mut vertices = Vec::with_capacity(along as usize * around as usize);
     let circle: Vec<[f64; 3]> = (0..around)
@@ -39,7 +41,7 @@ pub fn torus_knot(along: u32, around: u32, knot: Knot) -> Mesh {
         let wave = sin(40.0 * u);
         vertices.extend(circle.iter().map(|&[cosine, sine, bump]| {
             let radius = knot.radius * (1.0 + knot.bump * wave * bump);
-            std::array::from_fn(|k| frame.centre[k] + radius * (cosine * frame.normal[k] + sine * frame.binormal[k]))
+            std::array::from_fn(|k| frame.center[k] + radius * (cosine * frame.normal[k] + sine * frame.binormal[k]))
         }));
     }
     let corners = |which: fn([u32; 4]) -> [u32; 3]| {
@@ -52,8 +54,11 @@ pub fn torus_knot(along: u32, around: u32, knot: Knot) -> Mesh {
     Mesh { vertices, faces }
 }
 
-/// The adversarial mesh: the knot shrunk to a thousandth at the middle of the unit box, and `slivers` long thin triangles
-/// across it. Against itself moved by (0.0006, 0.0004, 0.0005) every hierarchy of axis-aligned boxes collapses.
+/// Returns the adversarial mesh: the knot shrunk to 0.001 at the middle of the unit box, and
+/// `slivers` long thin triangles across it.
+///
+/// Against itself moved by (0.0006, 0.0004, 0.0005), every hierarchy of axis-aligned boxes prunes
+/// almost nothing.
 pub fn stadium(along: u32, around: u32, slivers: usize) -> Mesh {
     let mut mesh = torus_knot(along, around, TREFOIL);
     mesh.vertices.iter_mut().flatten().for_each(|x| *x = *x * 1e-3 + 0.5);
@@ -72,7 +77,8 @@ pub fn stadium(along: u32, around: u32, slivers: usize) -> Mesh {
     mesh
 }
 
-/// The near-coincident worst case: a bumpy sphere of `12 * n * n` faces, to be turned by 0.01 rad against itself.
+/// Returns the near-coincident worst case: a bumpy sphere of `12 * n * n` faces, to be turned by
+/// 0.01 rad against itself.
 pub fn bumpy_sphere(n: u32) -> Mesh {
     let mut mesh = cube_sphere(n);
     for v in &mut mesh.vertices {
@@ -83,29 +89,29 @@ pub fn bumpy_sphere(n: u32) -> Mesh {
 }
 
 struct Frame {
-    centre: [f64; 3],
+    center: [f64; 3],
     normal: [f64; 3],
     binormal: [f64; 3],
 }
 
 impl Knot {
-    fn centre(self, u: f64) -> [f64; 3] {
+    fn center(self, u: f64) -> [f64; 3] {
         let k = 2.0 + cos(self.q * u);
         [k * cos(self.p * u), k * sin(self.p * u), sin(self.q * u)]
     }
 
     fn frame(self, u: f64) -> Frame {
-        let centre = self.centre(u);
-        let (after, before) = (self.centre(u + 1e-4), self.centre(u - 1e-4));
+        let center = self.center(u);
+        let (after, before) = (self.center(u + 1e-4), self.center(u - 1e-4));
         let tangent = unit(std::array::from_fn(|k| after[k] - before[k]));
-        let outward = unit([centre[0], centre[1], 0.0]);
+        let outward = unit([center[0], center[1], 0.0]);
         let lean = outward[0] * tangent[0] + outward[1] * tangent[1] + outward[2] * tangent[2];
         let normal = unit(std::array::from_fn(|k| outward[k] - lean * tangent[k]));
         let binormal = std::array::from_fn(|k| {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             tangent[i] * normal[j] - tangent[j] * normal[i]
         });
-        Frame { centre, normal, binormal }
+        Frame { center, normal, binormal }
     }
 }
 
@@ -118,7 +124,7 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// Vertices of the NumPy script's meshes.
+    /// Checks vertices against those of the NumPy script's meshes.
     fn assert_near(mesh: &Mesh, expected: &[(usize, [f64; 3])], tolerance: f64) {
         for &(i, p) in expected {
             for k in 0..3 {
@@ -129,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn knot_is_that_of_the_script() {
+    fn the_knot_agrees_with_the_script() {
         let mesh = torus_knot(20, 20, TREFOIL);
         assert_eq!((mesh.vertices.len(), mesh.faces.len()), (400, 800));
         let faces = [0, 19, 399, 400, 799].map(|i| mesh.faces[i]);
@@ -145,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn large_knot_is_that_of_the_script() {
+    fn the_large_knot_agrees_with_the_script() {
         let mesh = torus_knot(2000, 500, TREFOIL);
         assert_eq!(mesh.faces.len(), 2_000_000);
         assert_eq!(mesh.faces[1_999_999], [999_999, 0, 999_500]);
@@ -158,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn stadium_is_that_of_the_script() {
+    fn the_stadium_agrees_with_the_script() {
         let mesh = stadium(20, 20, 300);
         assert_eq!((mesh.vertices.len(), mesh.faces.len()), (1300, 1100));
         assert_eq!([mesh.faces[800], mesh.faces[1099]], [[400, 401, 402], [1297, 1298, 1299]]);
@@ -173,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn bumpy_sphere_is_that_of_the_script() {
+    fn the_bumpy_sphere_agrees_with_the_script() {
         let mesh = bumpy_sphere(8);
         assert_eq!((mesh.vertices.len(), mesh.faces.len()), (486, 768));
         let faces = [0, 63, 64, 767].map(|i| mesh.faces[i]);

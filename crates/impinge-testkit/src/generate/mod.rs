@@ -1,4 +1,4 @@
-//! Meshes and pairs of triangles, the same bytes on every machine.
+//! Generators of meshes and pairs of triangles, the same bytes on every machine.
 
 pub mod bricks;
 pub mod knots;

@@ -1,4 +1,5 @@
-//! Pairs of triangles that touch, nearly touch, coincide or degenerate: uniformly random floats never do.
+//! Generators of pairs of triangles that touch, nearly touch, coincide or degenerate. Uniformly
+//! random floats almost never do.
 
 use super::{Rng, poses};
 use crate::Affine;
@@ -6,47 +7,47 @@ use crate::Affine;
 /// Two triangles at their poses.
 #[derive(Clone, Copy, Debug)]
 pub struct TrianglePair {
-    /// How the pair was made.
+    /// Family of the pair.
     pub family: Family,
-    /// Corners of the first, local.
+    /// Corners of the first triangle, in its local frame.
     pub a: [[f64; 3]; 3],
-    /// Corners of the second, local.
+    /// Corners of the second triangle, in its local frame.
     pub b: [[f64; 3]; 3],
-    /// Pose of the first.
+    /// Pose of the first triangle.
     pub world_from_a: Affine,
-    /// Pose of the second.
+    /// Pose of the second triangle.
     pub world_from_b: Affine,
 }
 
-/// How a pair is made.
+/// Family of pairs of triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// Six corners in the integers from -2 to 2.
+    /// Six corners with integer coordinates from -2 to 2.
     Grid,
-    /// The same, and one corner in common.
+    /// Integer corners, one of them in common.
     SharedVertex,
-    /// The same, and two corners in common.
+    /// Integer corners, two of them in common.
     SharedEdge,
     /// A corner of b on an edge of a.
     VertexOnEdge,
-    /// A corner of b within a, b on one side of it.
+    /// A corner of b inside a, with b on one side of a.
     VertexInFace,
-    /// A touching corner moved by one step of one coordinate.
+    /// A touching corner with one coordinate moved to a neighboring float.
     NearMiss,
     /// Both in one plane: overlapping, contained, touching or apart.
     Coplanar,
-    /// One or both are segments or points.
+    /// One or both triangles are segments or points.
     Degenerate,
-    /// A needle a million times as long as wide, and a small triangle beside it.
+    /// A needle a million times as long as it is wide, and a small triangle beside it.
     Needle,
-    /// The same triangle, its corners in another order.
+    /// The same triangle twice, with its corners in another order.
     Duplicate,
-    /// Grid or coplanar pairs times a power of two, from 2^-100 to 2^100.
+    /// Grid or coplanar pairs scaled by a power of two from 2^-100 to 2^100.
     PowerOfTwo,
 }
 
 impl Family {
-    /// Every family.
+    /// All families.
     pub const ALL: [Self; 11] = [
         Self::Grid,
         Self::SharedVertex,
@@ -61,7 +62,8 @@ impl Family {
         Self::PowerOfTwo,
     ];
 
-    /// The least and greatest part of its pairs that meet; the tests of this crate hold it to that.
+    /// Returns the minimum and maximum fraction of pairs that intersect. The tests of this crate
+    /// check it.
     pub fn hit_rate(self) -> (f64, f64) {
         match self {
             Self::Grid | Self::PowerOfTwo | Self::Coplanar | Self::Degenerate | Self::Needle | Self::NearMiss => {
@@ -74,7 +76,7 @@ impl Family {
     }
 }
 
-/// `count` pairs, the families in turn, both poses the identity.
+/// Returns `count` pairs, cycling through the families. Both poses are the identity.
 pub fn tie_heavy(seed: u64, count: usize) -> impl Iterator<Item = TrianglePair> {
     let mut rng = Rng::new(seed);
     (0..count).map(move |i| {
@@ -84,13 +86,16 @@ pub fn tie_heavy(seed: u64, count: usize) -> impl Iterator<Item = TrianglePair> 
     })
 }
 
-/// The pairs of [`tie_heavy`] under [`large_integer_map`](poses::large_integer_map)s, one map for both triangles, so
-/// that the answers are those of the same seed there. Every second b is expressed in another frame, and its pose undoes that.
+/// Returns the pairs of [`tie_heavy`] under [`large_integer_map`](poses::large_integer_map)s.
+///
+/// Both triangles have the same map, so the answers are those of [`tie_heavy`] for the same seed.
+/// Every second b is expressed in another frame, which its pose undoes.
 pub fn under_large_integer_maps(seed: u64, count: usize) -> impl Iterator<Item = TrianglePair> {
     under(poses::large_integer_map, seed, count)
 }
 
-/// The pairs of [`tie_heavy`] under [`rotation`](poses::rotation)s in the same manner, with the same answers.
+/// Returns the pairs of [`tie_heavy`] under [`rotation`](poses::rotation)s in the same way, with
+/// the same answers.
 pub fn under_rotations(seed: u64, count: usize) -> impl Iterator<Item = TrianglePair> {
     under(poses::rotation, seed, count)
 }
@@ -105,7 +110,8 @@ fn under(map: fn(&mut Rng) -> Affine, seed: u64, count: usize) -> impl Iterator<
 }
 
 impl TrianglePair {
-    /// The same triangles in space, b's local coordinates permuted and flipped, its pose's columns likewise.
+    /// Returns the same triangles in the world, with b's local coordinates permuted and flipped,
+    /// and its pose's columns accordingly.
     fn with_b_reframed(mut self, symmetry: [[f64; 3]; 3]) -> Self {
         let undo = Affine::new(std::array::from_fn(|i| std::array::from_fn(|j| symmetry[j][i])), [0.0; 3]);
         self.b = self.b.map(|corner| undo.apply_rounded(corner));
@@ -162,7 +168,8 @@ fn shared(rng: &mut Rng, corners: usize) -> ([Point; 3], [Point; 3]) {
     (rotated(a, rng), rotated(b, rng))
 }
 
-/// A corner of b at the weighted mean of a's corners, and the other two not below a. The weights' sum divides 4.
+/// Returns a pair with a corner of b at the weighted mean of a's corners, and the other two corners
+/// not below a. The sum of the weights must divide 4.
 fn touching(rng: &mut Rng, weights: [i64; 3]) -> ([Point; 3], [Point; 3]) {
     let a = grid_triangle(rng).map(|p| p.map(|x| 4 * x));
     let total: i64 = weights.iter().sum();
@@ -188,7 +195,7 @@ fn near_miss(rng: &mut Rng) -> (Triangle, Triangle) {
     (a, b)
 }
 
-/// Both in the lattice plane of two random vectors.
+/// Returns two triangles in the lattice plane of two random vectors.
 fn coplanar(rng: &mut Rng) -> ([Point; 3], [Point; 3]) {
     let (p, q) = (grid_point(rng), grid_point(rng));
     let gap = rng.integer(1, 3);
@@ -201,7 +208,9 @@ fn coplanar(rng: &mut Rng) -> ([Point; 3], [Point; 3]) {
     (triangle(0), triangle(gap))
 }
 
-/// In the integers from -1 to 1 and half of the time in z = 0, for a point or a segment seldom meets anything in space.
+/// Returns degenerate triangles with integer coordinates from -1 to 1.
+///
+/// Half of them lie in z = 0, because a point or a segment in space seldom intersects anything.
 fn degenerate(rng: &mut Rng) -> ([Point; 3], [Point; 3]) {
     let depth = rng.integer(0, 1);
     let small = |rng: &mut Rng| -> Point { [rng.integer(-1, 1), rng.integer(-1, 1), rng.integer(-depth, depth)] };
@@ -220,7 +229,8 @@ fn degenerate(rng: &mut Rng) -> ([Point; 3], [Point; 3]) {
     if rng.one_in(2) { (a, b) } else { (b, a) }
 }
 
-/// A million long and one wide; b has a corner on or next to the needle's length.
+/// Returns a needle about a million long and one wide, and a triangle with a corner on or near its
+/// length.
 fn needle(rng: &mut Rng) -> ([Point; 3], [Point; 3]) {
     const STEPS: i64 = 1 << 20;
     let along = loop {
@@ -277,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn two_methods_agree_and_each_family_meets_as_often_as_it_says() {
+    fn two_methods_agree_and_each_family_has_its_hit_rate() {
         let mut hits = [0; Family::ALL.len()];
         let rounds = 500;
         for (i, pair) in tie_heavy(1, rounds * hits.len()).enumerate() {
@@ -294,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn maps_keep_the_truth_of_sixty_thousand_pairs() {
+    fn maps_keep_the_answers_of_sixty_thousand_pairs() {
         let count = 60_000;
         let mut hits = 0;
         let mapped = under_large_integer_maps(2, count).zip(under_rotations(2, count));
@@ -312,7 +322,8 @@ mod tests {
         let mut rng = Rng::new(6);
         let mut hits = 0;
         for pair in under_large_integer_maps(3, 2_000) {
-            // The same large map for both but for a rotation by rounded numbers: neither tied nor far apart.
+            // The same large map for both, except for a rotation with rounded entries: neither tied
+            // nor far apart.
             let turn = poses::rotation(&mut rng).linear;
             let b = pair.b.map(|corner| Affine::new(turn, [0.0; 3]).apply_rounded(corner));
             let first = triangles_meet(&pair.a, &pair.world_from_a, &b, &pair.world_from_b);

@@ -1,12 +1,13 @@
-//! Affine maps that are hard on floats and harmless to the truth.
+//! Affine maps that are hard for floats but keep answers.
 //!
-//! An invertible map applied to both triangles of a pair does not change whether they meet, so answers that are known in
-//! small integers stay known where the images need hundreds of bits.
+//! An invertible map applied to both triangles of a pair does not change whether they intersect. So
+//! answers known in small integers stay known, although the images need hundreds of bits.
 
 use super::Rng;
 use crate::Affine;
 
-/// An invertible map of integers up to 2^20, mirrors and shears included, and a translation of integers up to 2^20.
+/// Returns an invertible map with integer entries up to 2^20, which may mirror and shear, and a
+/// translation of integers up to 2^20.
 pub fn large_integer_map(rng: &mut Rng) -> Affine {
     const LARGEST: i64 = 1 << 20;
     loop {
@@ -18,8 +19,10 @@ pub fn large_integer_map(rng: &mut Rng) -> Affine {
     }
 }
 
-/// A rotation by a quaternion of integers up to 1000, each entry rounded once from its rational value, and a translation by
-/// any f64 numbers between -10 and 10.
+/// Returns a rotation and a translation.
+///
+/// The rotation is that of a quaternion of integers up to 1000, with each entry rounded once from
+/// its rational value. The coordinates of the translation are f64 numbers between -10 and 10.
 pub fn rotation(rng: &mut Rng) -> Affine {
     loop {
         let [w, x, y, z]: [i64; 4] = std::array::from_fn(|_| rng.integer(-1000, 1000));
@@ -37,8 +40,8 @@ pub fn rotation(rng: &mut Rng) -> Affine {
     }
 }
 
-/// A symmetry of the cube, mirrors included: it permutes coordinates and flips their signs, and so does its inverse, its
-/// transpose.
+/// Returns a symmetry of the cube, possibly a mirror: it permutes coordinates and flips their
+/// signs. Its inverse is its transpose.
 pub fn cube_symmetry(rng: &mut Rng) -> [[f64; 3]; 3] {
     let order = rng.choose(&[[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]]);
     let mut rows = [[0.0; 3]; 3];
@@ -58,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn maps_are_what_they_say() {
+    fn maps_have_their_documented_entries() {
         let mut rng = Rng::new(4);
         for _ in 0..200 {
             let map = large_integer_map(&mut rng);

@@ -1,9 +1,10 @@
-//! A stream of random numbers that is fixed forever.
+//! Stream of random numbers that never changes.
 //!
-//! PCG64 (O'Neill, *PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms*, 2014; XSL-RR 128/64), which
-//! is what NumPy's `default_rng` runs, so that meshes made with it there can be made here.
+//! It is PCG64 (O'Neill, *PCG: A Family of Simple Fast Space-Efficient Statistically Good
+//! Algorithms*, 2014; XSL-RR 128/64). NumPy's `default_rng` uses it too, so meshes made with NumPy
+//! can be reproduced here.
 
-/// A PCG64 generator.
+/// PCG64 generator.
 #[derive(Clone, Debug)]
 pub struct Rng {
     state: u128,
@@ -11,7 +12,7 @@ pub struct Rng {
 }
 
 impl Rng {
-    /// The stream of a seed; it is this crate's own and not NumPy's of the same seed.
+    /// Returns the stream of a seed. It differs from NumPy's stream for the same seed.
     pub fn new(seed: u64) -> Self {
         let mut rng = Self::from_state(0, 0x5851_f42d_4c95_7f2d_1405_7b7e_f767_814f);
         rng.state = rng.state.wrapping_add(u128::from(seed));
@@ -19,43 +20,45 @@ impl Rng {
         rng
     }
 
-    /// The stream of `numpy.random.PCG64` with this `state` and `inc` (its `.state["state"]`).
+    /// Returns the stream of `numpy.random.PCG64` with this `state` and `inc` (its
+    /// `.state["state"]`).
     pub fn from_state(state: u128, inc: u128) -> Self {
         Self { state, increment: inc | 1 }
     }
 
-    /// All 64-bit numbers alike.
+    /// Returns a uniformly distributed 64-bit number.
     pub fn next_u64(&mut self) -> u64 {
         const MULTIPLIER: u128 = 0x2360_ed05_1fc6_5da4_4385_df64_9fcc_f645;
         self.state = self.state.wrapping_mul(MULTIPLIER).wrapping_add(self.increment);
         ((self.state >> 64) as u64 ^ self.state as u64).rotate_right((self.state >> 122) as u32)
     }
 
-    /// Uniform in 0 ≤ x < 1, a multiple of 2^-53.
+    /// Returns a uniformly distributed multiple of 2^-53 in 0 ≤ x < 1.
     pub fn unit(&mut self) -> f64 {
         (self.next_u64() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Uniform between `low` and `high`.
+    /// Returns a uniformly distributed number between `low` and `high`.
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// An integer in `low..=high`, uniform but for a bias below 2^-32 for ranges below 2^32.
+    /// Returns an integer in `low..=high`, uniform except for a bias below 2^-32 for ranges below
+    /// 2^32.
     pub fn integer(&mut self, low: i64, high: i64) -> i64 {
         let count = (high - low) as u128 + 1;
         low + ((u128::from(self.next_u64()) * count) >> 64) as i64
     }
 
-    /// One of the items.
+    /// Returns a random item.
     ///
     /// # Panics
-    /// Where there are none.
+    /// Panics if there are no items.
     pub fn choose<T: Copy>(&mut self, items: &[T]) -> T {
         items[self.integer(0, items.len() as i64 - 1) as usize]
     }
 
-    /// `true` in one case of `n`.
+    /// Returns `true` in one of `n` cases.
     pub fn one_in(&mut self, n: u64) -> bool {
         self.integer(1, n as i64) == 1
     }

@@ -1,11 +1,13 @@
-//! Spheres, boxes, grids, fans, rods and soups.
+//! Generators of spheres, boxes, grids, fans, rods and soups.
 
 use super::{Rng, cos, sin};
 use crate::Mesh;
 use std::collections::BTreeMap;
 
-/// The unit icosphere of `20 * 4^subdivisions` faces: an icosahedron whose faces are cut in four and whose vertices are then
-/// moved to the sphere, as often as asked. Vertices and faces are numbered as trimesh's `icosphere` numbers them.
+/// Returns the unit icosphere of `20 * 4^subdivisions` faces.
+///
+/// Each subdivision cuts every face of an icosahedron into four and moves the vertices to the
+/// sphere. Vertices and faces are numbered as in trimesh's `icosphere`.
 pub fn icosphere(subdivisions: u32) -> Mesh {
     const FACES: [[u32; 3]; 20] = [
         [0, 11, 5],
@@ -55,7 +57,8 @@ pub fn icosphere(subdivisions: u32) -> Mesh {
     mesh
 }
 
-/// The cube sphere of `12 * n * n` faces: six grids of equal angles, their seams not shared.
+/// Returns the cube sphere of `12 * n * n` faces: six grids of equal angles, whose seams do not
+/// share vertices.
 pub fn cube_sphere(n: u32) -> Mesh {
     let tangent = |i: u32| {
         let x = if i == n { 1.0 } else { f64::from(i) * (2.0 / f64::from(n)) - 1.0 };
@@ -85,7 +88,7 @@ pub fn cube_sphere(n: u32) -> Mesh {
     mesh
 }
 
-/// The box between two corners: eight vertices, twelve faces, outward.
+/// Returns the box between two corners: eight vertices, and twelve faces oriented outward.
 pub fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
     let corner = |i: usize| std::array::from_fn(|k| if i >> k & 1 == 0 { low[k] } else { high[k] });
     let faces = vec![
@@ -105,13 +108,14 @@ pub fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
     Mesh { vertices: (0..8).map(corner).collect(), faces }
 }
 
-/// The tetrahedron of the origin and the three unit points, outward.
+/// Returns the tetrahedron of the origin and the three unit points, oriented outward.
 pub fn tetrahedron() -> Mesh {
     let vertices = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     Mesh { vertices, faces: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] }
 }
 
-/// The flat grid of `2 * nx * ny` unit half-squares in z = 0 from the origin on, all coordinates integers.
+/// Returns the flat grid of `2 * nx * ny` halves of unit squares in z = 0, starting at the origin.
+/// All coordinates are integers.
 pub fn plane_grid(nx: u32, ny: u32) -> Mesh {
     let mut mesh = Mesh::default();
     for j in 0..=ny {
@@ -128,7 +132,8 @@ pub fn plane_grid(nx: u32, ny: u32) -> Mesh {
     mesh
 }
 
-/// `n` slender triangles round the origin in z = 0, on the unit circle, all sharing vertex 0.
+/// Returns `n` slender triangles around the origin in z = 0, with corners on the unit circle. All
+/// share vertex 0.
 pub fn fan(n: u32) -> Mesh {
     let mut mesh = Mesh { vertices: vec![[0.0; 3]], faces: Vec::new() };
     for i in 0..n {
@@ -139,7 +144,8 @@ pub fn fan(n: u32) -> Mesh {
     mesh
 }
 
-/// A rod along x from -10 to 10, of radius one: `2 * facets` slivers, each as long as the rod, and no ends.
+/// Returns a rod along x from -10 to 10, of radius 1: `2 * facets` slivers, each as long as the
+/// rod. Its ends are open.
 pub fn rod(facets: u32) -> Mesh {
     let mut mesh = Mesh::default();
     for i in 0..facets {
@@ -151,7 +157,8 @@ pub fn rod(facets: u32) -> Mesh {
     mesh
 }
 
-/// Upright strips along x from -4n to 4n, `n` of them at y = 0, 1, 2 and so on, from z = 0 to 1; all coordinates integers.
+/// Returns `n` upright strips along x from -4n to 4n, at y = 0, 1, 2 and so on, from z = 0 to 1.
+/// All coordinates are integers.
 pub fn strips(n: u32) -> Mesh {
     let mut mesh = Mesh::default();
     let end = 4.0 * f64::from(n);
@@ -163,8 +170,10 @@ pub fn strips(n: u32) -> Mesh {
     mesh
 }
 
-/// `count` triangles with corners on the integer grid of the cube from 0 to `side`, each with an own edge length of at most
-/// `reach` along each axis; some of them segments and points. Equal corners share a vertex.
+/// Returns `count` triangles with corners on the integer grid of the cube from 0 to `side`.
+///
+/// The corners of a triangle differ from its first corner by at most `reach` along each axis. Some
+/// triangles are segments or points. Equal corners share a vertex.
 pub fn grid_soup(rng: &mut Rng, count: usize, side: i64, reach: i64) -> Mesh {
     let mut mesh = Mesh::default();
     let mut numbers: BTreeMap<[i64; 3], u32> = BTreeMap::new();
@@ -182,8 +191,8 @@ pub fn grid_soup(rng: &mut Rng, count: usize, side: i64, reach: i64) -> Mesh {
     mesh
 }
 
-/// Each face cut at the midpoints of its edges; new vertices follow the old ones in the order of their edge (larger end, smaller
-/// end).
+/// Returns the mesh with each face cut at the midpoints of its edges. New vertices follow the old
+/// ones in the order of their edges (larger end, smaller end).
 fn cut_in_four(mesh: &Mesh) -> Mesh {
     let edge = |a: u32, b: u32| (a.max(b), a.min(b));
     let mut middles: BTreeMap<(u32, u32), u32> = mesh
@@ -214,7 +223,8 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
 
-    /// The half-edges of a closed mesh come in opposite pairs, and its enclosed volume is positive.
+    /// Checks that the half-edges of a closed mesh come in opposite pairs, and that its enclosed
+    /// volume is positive.
     fn assert_closed_and_outward(mesh: &Mesh) {
         let half_edges: BTreeSet<(u32, u32)> =
             mesh.faces.iter().flat_map(|f| [(f[0], f[1]), (f[1], f[2]), (f[2], f[0])]).collect();
@@ -232,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn icosphere_is_that_of_trimesh() {
+    fn icospheres_equal_those_of_trimesh() {
         let mesh = icosphere(4);
         assert_eq!((mesh.vertices.len(), mesh.faces.len()), (2562, 5120));
         let faces = [0, 777, 5119].map(|i| mesh.faces[i]);
@@ -256,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn grids_fans_and_soups_have_the_faces_they_say() {
+    fn grids_fans_and_soups_have_their_documented_faces() {
         let grid = plane_grid(3, 2);
         assert_eq!((grid.vertices.len(), grid.faces.len()), (12, 12));
         assert_eq!(grid.faces[..2], [[0, 1, 5], [0, 5, 4]]);

@@ -1,25 +1,27 @@
-//! Axis-aligned boxes in f64 that provably hold the exact images of posed triangles.
+//! Axis-aligned boxes in f64 that provably contain the exact images of posed triangles.
 //!
-//! **Bound.** Let u = 2^-53, c = r0 x + r1 y + r2 z + t over the reals, and S = |r0 x| + |r1 y| + |r2 z| + |t|. Computed
-//! in f64, c' differs from c by at most 4u/(1-4u) S, by one rounding of each product and three sums, and by 3 · 2^-1075
-//! where products underflow (Higham, *Accuracy and Stability of Numerical Algorithms*, 3.1). The computed S' has the same
-//! error, so S ≤ S'(1 + 5u) + 2^-1073 and |c' - c| ≤ 5u S' + 2^-1072. The reach taken, `8u S' + 2^-1070`, exceeds that by
-//! more than a third of itself, and so by more than the rounding of its own sum.
-//! Subtracting and adding it rounds once more: one step outward makes up for it. Where anything overflows, the bounds are infinite.
+//! **Bound.** Let u = 2^-53, c = r0 x + r1 y + r2 z + t over the reals, and S = |r0 x| + |r1 y| +
+//! |r2 z| + |t|. Computed in f64, c' differs from c by at most 4u/(1-4u) S, by one rounding of each
+//! product and three sums, and by 3 · 2^-1075 if products underflow (Higham, *Accuracy and
+//! Stability of Numerical Algorithms*, 3.1). The computed S' has the same error, so S ≤ S'(1 + 5u)
+//! + 2^-1073 and |c' - c| ≤ 5u S' + 2^-1072. The reach used, `8u S' + 2^-1070`, exceeds that by
+//! more than 1/3 of itself, and so by more than the rounding of its own sum. Subtracting and adding
+//! it rounds once more, which one step outward compensates. If anything overflows, the bounds are
+//! infinite.
 
 use crate::{Affine, Posed};
 
 /// Closed bounds in world coordinates, rounded outward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldBox {
-    /// Least coordinates.
+    /// Smallest coordinates.
     pub low: [f64; 3],
-    /// Greatest coordinates.
+    /// Largest coordinates.
     pub high: [f64; 3],
 }
 
 impl WorldBox {
-    /// Bounds of the exact image of one triangle.
+    /// Returns bounds of the exact image of one triangle.
     pub fn of_triangle(corners: &[[f64; 3]; 3], world_from_local: &Affine) -> Self {
         let mut bounds = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
         for &corner in corners {
@@ -32,21 +34,21 @@ impl WorldBox {
         bounds
     }
 
-    /// Bounds of every face of a mesh.
+    /// Returns bounds of every face of a mesh.
     pub fn of_faces(mesh: Posed) -> Vec<Self> {
         (0..mesh.faces.len()).map(|i| Self::of_triangle(&mesh.triangle(i), &mesh.world_from_local)).collect()
     }
 
-    /// Whether the boxes have a point in common.
+    /// Reports whether the boxes have a point in common.
     pub fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
 }
 
-/// The rounded image of a point, and how far from it the exact image may be along each axis.
+/// Returns the rounded image of a point, and a bound on its error along each axis.
 pub(super) fn image_and_reach(world_from_local: &Affine, point: [f64; 3]) -> ([f64; 3], [f64; 3]) {
     const EIGHT_ROUNDINGS: f64 = 4.0 * f64::EPSILON;
-    /// 2^-1070: sixteen of the smallest numbers, more than all underflows together lose.
+    /// 2^-1070, 16 times the smallest number: a bound on all underflows together.
     const UNDERFLOW: f64 = 16.0 * 5e-324;
     let mut image = world_from_local.apply_rounded(point);
     let size = Affine {
@@ -80,13 +82,14 @@ mod tests {
             );
             let point: [f64; 3] = std::array::from_fn(|_| rng.uniform(-1.0, 1.0) * scale);
             if rng.one_in(2) {
-                // Where the image cancels, all that is left of it is rounding.
+                // If the image cancels, only rounding is left of it.
                 pose.translation = [0.0; 3];
                 pose.translation = pose.apply_rounded(point).map(|x| -x);
             }
             let bounds = WorldBox::of_triangle(&[point; 3], &pose);
             for k in 0..3 {
-                // A map whose only coordinate is the k-th takes the point into the interval, or not, exactly.
+                // A map with only the k-th coordinate decides exactly whether the image is in the
+                // interval.
                 let only_k = Affine::new(
                     std::array::from_fn(|i| if i == 0 { pose.linear[k] } else { [0.0; 3] }),
                     [pose.translation[k], 0.0, 0.0],
@@ -94,7 +97,7 @@ mod tests {
                 let interval = [[bounds.low[k], 0.0, 0.0], [bounds.high[k], 0.0, 0.0], [bounds.low[k], 0.0, 0.0]];
                 assert!(triangles_meet(&[point; 3], &only_k, &interval, &Affine::IDENTITY));
                 let width = bounds.high[k] - bounds.low[k];
-                assert!(width <= 3e-14 * scale + 1e-321, "the box is also tight: {width}");
+                assert!(width <= 3e-14 * scale + 1e-321, "the box must also be tight: {width}");
             }
         }
     }

@@ -1,20 +1,23 @@
-//! A proof in f64 that two triangles are apart, so that exact integers are asked only about those that nearly meet.
+//! Proof in f64 that two triangles are apart, so that exact integers decide only pairs that nearly
+//! intersect.
 //!
-//! Any direction n proves it where every corner of one triangle is farther along n than every corner of the other; no
-//! property of n is used, so it may be found in rounded arithmetic. For two triangles the candidates are their normals,
-//! the cross products of their edges, and where they are nearly coplanar the normals of edges within the plane (Ericson,
-//! *Real-Time Collision Detection*, 5.2.1).
+//! A direction n is a proof if every corner of one triangle is farther along n than every corner of
+//! the other. No property of n is used, so it may be found in rounded arithmetic. The candidates
+//! are the normals of both triangles, the cross products of their edges and, for nearly coplanar
+//! triangles, the normals of edges within the plane (Ericson, *Real-Time Collision Detection*,
+//! 5.2.1).
 //!
-//! **Bound.** The exact corner p lies within `reach` of the rounded p' on each axis. The computed n·p' differs from the
-//! exact n·p' by at most 3u/(1-3u) Σ|n_k p'_k| and underflow, and n·p' from n·p by at most Σ|n_k| reach_k. The slack taken,
-//! Σ|n_k| (8u|p'_k| + reach_k) + 2^-1070, is itself rounded five times, by at most 5u of it: 3u|p'_k| needs less than half of
-//! the 8u, and a reach is a third larger than it need be. The last term exceeds what underflows, and a step outward makes
-//! up for the final addition. An overflow anywhere proves nothing.
+//! **Bound.** The exact corner p lies within `reach` of the rounded p' on each axis. The computed
+//! n·p' differs from the exact n·p' by at most 3u/(1-3u) Σ|n_k p'_k| and underflow, and n·p' from
+//! n·p by at most Σ|n_k| reach_k. The slack used, Σ|n_k| (8u|p'_k| + reach_k) + 2^-1070, is itself
+//! rounded five times, by at most 5u of it: 3u|p'_k| needs less than half of the 8u, and a reach is
+//! 1/3 larger than necessary. The last term exceeds all underflow, and a step outward compensates
+//! the final addition. An overflow anywhere proves nothing.
 
 use super::boxes::image_and_reach;
 use crate::Affine;
 
-/// A triangle in rounded world coordinates, with how far off each of them may be.
+/// Triangle in rounded world coordinates, with a bound on the error of each.
 pub(super) struct Rounded {
     corners: [[f64; 3]; 3],
     reach: [[f64; 3]; 3],
@@ -26,7 +29,8 @@ impl Rounded {
         Self { corners: both.map(|(image, _)| image), reach: both.map(|(_, reach)| reach) }
     }
 
-    /// Whether some direction proves that the exact triangles have no point in common. `false` says nothing.
+    /// Reports whether a direction proves that the exact triangles have no point in common. `false`
+    /// proves nothing.
     pub(super) fn proved_apart(&self, other: &Self) -> bool {
         let (edges_a, edges_b) = (self.edges(), other.edges());
         let normals = [cross(edges_a[0], edges_a[1]), cross(edges_b[0], edges_b[1])];
@@ -42,7 +46,8 @@ impl Rounded {
         high_a < low_b || high_b < low_a
     }
 
-    /// Bounds of `direction · p` over the exact triangle; the whole line where they overflow.
+    /// Returns bounds of `direction · p` over the exact triangle. They are infinite if anything
+    /// overflows.
     fn extent(&self, direction: [f64; 3]) -> (f64, f64) {
         const EIGHT_ROUNDINGS: f64 = 4.0 * f64::EPSILON;
         const UNDERFLOW: f64 = 16.0 * 5e-324;
@@ -86,7 +91,7 @@ mod tests {
     use crate::oracle::triangles_meet;
 
     #[test]
-    fn what_it_proves_is_true_and_it_proves_most() {
+    fn proofs_are_true_and_most_pairs_apart_are_proved() {
         let (mut apart, mut proved) = (0, 0);
         for pair in pairs::tie_heavy(5, 4_000) {
             let (a, b) = (&pair.a, &pair.b);
@@ -100,8 +105,9 @@ mod tests {
     }
 
     #[test]
-    fn what_it_proves_is_true_where_images_cancel() {
-        // The local frame is moved far away and the pose brings it back: what is left is mostly rounding.
+    fn proofs_are_true_if_images_cancel() {
+        // The local frame is moved far away and the pose moves it back, so that mostly rounding is
+        // left.
         const AWAY: f64 = (1u64 << 40) as f64;
         let (mut meeting, mut proved) = (0, 0);
         for pair in pairs::under_rotations(6, 4_000) {
@@ -117,6 +123,6 @@ mod tests {
             meeting += usize::from(meets);
             proved += usize::from(proof);
         }
-        assert!(meeting > 500 && proved > 500, "{meeting} meet, {proved} are proved apart");
+        assert!(meeting > 500 && proved > 500, "{meeting} intersect, {proved} are proved apart");
     }
 }

@@ -1,21 +1,24 @@
-//! A second way to decide whether two triangles meet: clip the edges of each against the other.
+//! Second method to decide whether two triangles intersect: clip the edges of each against the
+//! other.
 //!
-//! Two closed triangles meet exactly where an edge of one meets the other. Their common part is convex and closed: if the
-//! triangles lie in one plane, a corner of it lies on the boundary of one of them; if in two, it is a point or a segment
-//! whose ends do; and a triangle of no area is its own boundary.
+//! Two closed triangles intersect exactly if an edge of one intersects the other. Their
+//! intersection is convex and closed. If the triangles lie in one plane, a corner of the
+//! intersection lies on the boundary of one of them. If they lie in two planes, the intersection is
+//! a point or a segment whose ends do. A triangle without area is its own boundary.
 //!
-//! An edge p + t (q - p), 0 ≤ t ≤ 1, meets a triangle where some t satisfies the linear conditions that make a point
-//! belong to it (Cyrus and Beck, 1978). Each cuts the interval of t at a rational number.
+//! An edge p + t (q - p), 0 ≤ t ≤ 1, intersects a triangle if some t satisfies the linear
+//! conditions for points of the triangle (Cyrus and Beck, 1978). Each condition cuts the interval
+//! of t at a rational number.
 
 use super::integers::{Vector, corners, cross, dot, is_zero, subtract};
 use crate::Affine;
 use dashu_int::IBig;
 
-/// Whether two closed triangles have a point in common: the same question as [`triangles_meet`](super::triangles_meet),
-/// answered with nothing in common but the integer coordinates.
+/// Reports whether two closed triangles have a point in common. It shares only the integer
+/// coordinates with [`triangles_meet`](super::triangles_meet), which it checks.
 ///
 /// # Panics
-/// Where a number is not finite.
+/// Panics if a number is not finite.
 pub fn triangles_meet_by_clipping(
     a: &[[f64; 3]; 3],
     world_from_a: &Affine,
@@ -39,8 +42,8 @@ fn edge_meets(p: &Vector, q: &Vector, triangle: &[Vector; 3]) -> bool {
                 clip.keep_side(&inward, &triangle[i])
             });
     }
-    // Corners in a line: the segment is the longest of the three edges. All equal: its direction is zero, and the
-    // coordinates must agree.
+    // The corners lie in a line, and the segment is the longest of the three edges. If all corners
+    // are equal, its direction is zero, and the coordinates must be equal.
     let length_squared = |i: usize| {
         let edge = subtract(&triangle[(i + 1) % 3], &triangle[i]);
         dot(&edge, &edge)
@@ -52,13 +55,14 @@ fn edge_meets(p: &Vector, q: &Vector, triangle: &[Vector; 3]) -> bool {
     if is_zero(&direction) {
         return axes.iter().all(|axis| clip.keep_plane(axis, start));
     }
-    // The planes through the segment that contain one axis each: together they leave its line alone.
+    // The planes through the segment and parallel to one axis each intersect in its line.
     axes.iter().all(|axis| clip.keep_plane(&cross(&direction, axis), start))
         && clip.keep_side(&direction, start)
         && clip.keep_side(&direction.map(|x| -x), end)
 }
 
-/// The part of an edge that satisfies the conditions so far: `low ≤ t ≤ high`, as fractions of positive denominator.
+/// Part of an edge that satisfies the conditions so far: `low ≤ t ≤ high`, as fractions with
+/// positive denominators.
 struct Clip<'a> {
     start: &'a Vector,
     along: Vector,
@@ -72,19 +76,19 @@ impl<'a> Clip<'a> {
         Self { start, along, low: (IBig::ZERO, IBig::ONE), high: (IBig::ONE, IBig::ONE) }
     }
 
-    /// Keeps the points x with `normal · (x - origin) ≥ 0`; whether any are left.
+    /// Keeps the points x with `normal · (x - origin) ≥ 0`, and reports whether any are left.
     fn keep_side(&mut self, normal: &Vector, origin: &Vector) -> bool {
         self.keep(dot(normal, &subtract(self.start, origin)), dot(normal, &self.along))
     }
 
-    /// Keeps the points x with `normal · (x - origin) = 0`; whether any are left.
+    /// Keeps the points x with `normal · (x - origin) = 0`, and reports whether any are left.
     fn keep_plane(&mut self, normal: &Vector, origin: &Vector) -> bool {
         let height = dot(normal, &subtract(self.start, origin));
         let slope = dot(normal, &self.along);
         self.keep(height.clone(), slope.clone()) && self.keep(-height, -slope)
     }
 
-    /// Keeps the t with `height + slope t ≥ 0`.
+    /// Keeps the t with `height + slope t ≥ 0`, and reports whether any are left.
     fn keep(&mut self, height: IBig, slope: IBig) -> bool {
         if slope == IBig::ZERO {
             return height >= IBig::ZERO;

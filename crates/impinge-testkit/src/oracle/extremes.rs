@@ -1,4 +1,6 @@
-//! The least box of the exact images of points, each bound rounded outward to the next double and no further.
+//! Smallest box of the exact images of points, with each bound rounded outward to the next double.
+//!
+//! It checks the tight methods of `volume::Realign`, bit for bit.
 
 use std::cmp::Ordering;
 
@@ -8,14 +10,16 @@ use super::boxes::{WorldBox, image_and_reach};
 use super::integers::{compare, images};
 use crate::Affine;
 
-/// The box of the images of all points.
+/// Returns the box of the images of all points.
 ///
-/// Points whose interval in floats stays below that of another are left out; the rest are compared as integers.
+/// Points whose interval in floats stays below that of another point are skipped. The rest are
+/// compared as integers.
 ///
 /// # Panics
-/// Where there are no points, a number is not finite, or a bound is not a normal number or zero.
+/// Panics if there are no points, a number is not finite, or a bound is neither a normal number nor
+/// zero.
 pub fn tight_box(points: &[[f64; 3]], world_from_local: &Affine) -> WorldBox {
-    // On either side of an axis, low and high: what some point is proved to reach.
+    // For each axis, low and high: a value that some point provably reaches.
     let mut certain = [[f64::NEG_INFINITY; 2]; 3];
     for &point in points {
         let (image, reach) = image_and_reach(world_from_local, point);
@@ -24,23 +28,23 @@ pub fn tight_box(points: &[[f64; 3]], world_from_local: &Affine) -> WorldBox {
             certain[axis][1] = certain[axis][1].max(image[axis] - reach[axis]);
         }
     }
-    // One float for the rounding of that sum, and one for that of the sum it is compared with.
+    // One float covers the rounding of that sum, and one that of the sum it is compared with.
     let certain = certain.map(|sides| sides.map(|side| side.next_down().next_down()));
-    let mut rivals: [[Vec<[f64; 3]>; 2]; 3] = Default::default();
+    let mut candidates: [[Vec<[f64; 3]>; 2]; 3] = Default::default();
     for &point in points {
         let (image, reach) = image_and_reach(world_from_local, point);
         for axis in 0..3 {
             for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
                 if sign * image[axis] + reach[axis] >= certain[axis][side] {
-                    rivals[axis][side].push(point);
+                    candidates[axis][side].push(point);
                 }
             }
         }
     }
     let mut bounds = WorldBox { low: [0.0; 3], high: [0.0; 3] };
     for axis in 0..3 {
-        for (side, rivals) in rivals[axis].iter().enumerate() {
-            let (exact, scale) = images(rivals, world_from_local);
+        for (side, candidates) in candidates[axis].iter().enumerate() {
+            let (exact, scale) = images(candidates, world_from_local);
             let values = exact.into_iter().map(|[x, y, z]| [x, y, z].into_iter().nth(axis).expect("three axes"));
             if side == 1 {
                 bounds.high[axis] = round(&values.max().expect("some point"), scale, true);
@@ -52,9 +56,9 @@ pub fn tight_box(points: &[[f64; 3]], world_from_local: &Affine) -> WorldBox {
     bounds
 }
 
-/// The float next to an integer times a power of two, on the upper or on the lower side of it.
+/// Returns the float next to an integer times a power of two, rounded up or down.
 fn round(value: &IBig, exponent: i32, up: bool) -> f64 {
-    // Halves of the power, as it may be out of range where the result is not.
+    // Two halves of the power, because it may be out of range although the result is not.
     let half = exponent / 2;
     let mut x = value.to_f64().value() * 2f64.powi(half) * 2f64.powi(exponent - half);
     assert!(x == 0.0 || x.is_normal(), "{x} is out of the oracle's range");
@@ -64,7 +68,7 @@ fn round(value: &IBig, exponent: i32, up: bool) -> f64 {
     while compare(x, value, exponent) == Ordering::Less {
         x = x.next_up();
     }
-    // The first float that is not below.
+    // `x` is now the smallest float that is not below the value.
     if up || compare(x, value, exponent) == Ordering::Equal { x } else { x.next_down() }
 }
 

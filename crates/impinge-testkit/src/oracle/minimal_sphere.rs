@@ -1,26 +1,29 @@
-//! The minimal sphere by trying every one, two, three and four points (*Notes on Real Time Collision Detection*, 2.3: the
-//! O(n⁵) one), in rational numbers.
+//! Minimal sphere by trying every one, two, three and four points, in rational numbers (*Notes on
+//! Real Time Collision Detection*, 2.3: the O(n⁵) method).
+//!
+//! It checks `volume::fit::minimal_sphere` on sets of up to seven points.
 
 use dashu_ratio::RBig;
 
-/// The smallest sphere that holds some points, exactly.
+/// Exact smallest sphere that contains some points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeastSphere {
-    /// Its centre.
-    pub centre: [RBig; 3],
-    /// The square of its radius.
+    /// Center of the sphere.
+    pub center: [RBig; 3],
+    /// Square of the radius.
     pub squared_radius: RBig,
-    /// How many of the points are on it, duplicates counted.
+    /// Number of points on the sphere, including duplicates.
     pub on_it: usize,
 }
 
-/// The smallest of the spheres through up to four of the points that hold all of them; none without points.
+/// Returns the smallest of the spheres through up to four points that contain all points, or `None`
+/// without points.
 ///
 /// # Complexity
 /// The fifth power of the number of points.
 ///
 /// # Panics
-/// Where a number is not finite.
+/// Panics if a number is not finite.
 pub fn minimal_sphere(points: &[[f64; 3]]) -> Option<LeastSphere> {
     let exact: Vec<[RBig; 3]> = points.iter().map(|p| p.map(|x| RBig::try_from(x).expect("finite"))).collect();
     let mut least: Option<LeastSphere> = None;
@@ -31,14 +34,14 @@ pub fn minimal_sphere(points: &[[f64; 3]]) -> Option<LeastSphere> {
                 for l in k..n {
                     let mut chosen = vec![i, j, k, l];
                     chosen.dedup();
-                    let Some((centre, squared_radius)) = through(&exact, &chosen) else { continue };
+                    let Some((center, squared_radius)) = through(&exact, &chosen) else { continue };
                     if least.as_ref().is_some_and(|least| least.squared_radius <= squared_radius) {
                         continue;
                     }
-                    let squares: Vec<RBig> = exact.iter().map(|p| square(&minus(p, &centre))).collect();
+                    let squares: Vec<RBig> = exact.iter().map(|p| square(&minus(p, &center))).collect();
                     if squares.iter().all(|square| *square <= squared_radius) {
                         let on_it = squares.iter().filter(|&square| *square == squared_radius).count();
-                        least = Some(LeastSphere { centre, squared_radius, on_it });
+                        least = Some(LeastSphere { center, squared_radius, on_it });
                     }
                 }
             }
@@ -47,8 +50,10 @@ pub fn minimal_sphere(points: &[[f64; 3]]) -> Option<LeastSphere> {
     least
 }
 
-/// The centre, in the affine hull of the chosen points, that is equally far from all of them, and its squared distance; none
-/// where they are affinely dependent. The centre is p₀ + Σ λᵢ uᵢ with uᵢ · uⱼ λⱼ = uᵢ · uᵢ / 2, solved by elimination.
+/// Returns the center, in the affine hull of the chosen points, of the sphere through all of them,
+/// and its squared radius. Returns `None` if the points are affinely dependent.
+///
+/// The center is p₀ + Σ λᵢ uᵢ with uᵢ · uⱼ λⱼ = uᵢ · uᵢ / 2, solved by elimination.
 fn through(points: &[[RBig; 3]], chosen: &[usize]) -> Option<([RBig; 3], RBig)> {
     let first = &points[chosen[0]];
     let edges: Vec<[RBig; 3]> = chosen[1..].iter().map(|&i| minus(&points[i], first)).collect();
@@ -72,8 +77,8 @@ fn through(points: &[[RBig; 3]], chosen: &[usize]) -> Option<([RBig; 3], RBig)> 
         let weight = rows[k][n].clone() / rows[k][k].clone();
         offset = std::array::from_fn(|axis| offset[axis].clone() + weight.clone() * edge[axis].clone());
     }
-    let centre = std::array::from_fn(|axis| first[axis].clone() + offset[axis].clone());
-    Some((centre, square(&offset)))
+    let center = std::array::from_fn(|axis| first[axis].clone() + offset[axis].clone());
+    Some((center, square(&offset)))
 }
 
 fn minus(p: &[RBig; 3], q: &[RBig; 3]) -> [RBig; 3] {
@@ -93,13 +98,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn known_spheres() {
+    fn known_spheres_are_found() {
         let rational = |numerator: i32, denominator: i32| RBig::from(numerator) / RBig::from(denominator);
         let cube: Vec<[f64; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
         let sphere = minimal_sphere(&cube).unwrap();
-        assert_eq!((sphere.centre, sphere.on_it), ([rational(1, 2), rational(1, 2), rational(1, 2)], 8));
+        assert_eq!((sphere.center, sphere.on_it), ([rational(1, 2), rational(1, 2), rational(1, 2)], 8));
         assert_eq!(sphere.squared_radius, rational(3, 4));
-        // An equilateral triangle needs all three, an obtuse one two, and a point inside none.
+        // An equilateral triangle needs all three points, an obtuse one needs two, and a point
+        // inside is not needed.
         let triangle = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         assert_eq!(minimal_sphere(&triangle).unwrap().squared_radius, rational(2, 3));
         let obtuse = [[0.0; 3], [4.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 0.0]];

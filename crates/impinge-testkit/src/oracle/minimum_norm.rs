@@ -1,9 +1,10 @@
-//! The distance of two convex hulls in integers of any size, with its own proof.
+//! Squared distance of two convex hulls in integers of any size, with a proof of the answer.
 //!
-//! All differences of points are formed. From the shortest, a simplex of up to four is improved: its nearest point to the origin
-//! comes from the normal equations of each of its parts by Cramer's rule, and any difference that is beyond the plane through
-//! that point joins. What is returned was checked against every difference: with x in the hull and x·y ≥ x·x for every y there is
-//! none nearer, however x was found.
+//! All differences of points are formed. From the shortest one, a simplex of up to four differences
+//! is improved. Its nearest point to the origin follows from the normal equations of each of its
+//! parts by Cramer's rule, and any difference beyond the plane through that point joins. The result
+//! is checked against every difference: if x is in the hull and x·y ≥ x·x for every y, no point is
+//! nearer, however x was found. It checks `query::distance` of shapes.
 
 use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
@@ -12,20 +13,21 @@ use crate::Affine;
 
 type Vector = [IBig; 3];
 
-/// A point of a simplex's hull over a common denominator, and which of the simplex it is in the hull of.
+/// Point of a simplex's hull over a common denominator, and the part of the simplex whose hull
+/// contains it.
 struct Nearest {
     numerators: Vector,
     denominator: IBig,
     part: Vec<Vector>,
 }
 
-/// The square of the distance of the convex hulls of two sets of points, each under its map.
+/// Returns the squared distance of the convex hulls of two sets of points, each under its map.
 ///
 /// # Complexity
-/// The product of the numbers of points, times the steps.
+/// The product of the numbers of points, times the number of steps.
 ///
 /// # Panics
-/// Where a set is empty or a number not finite.
+/// Panics if a set is empty or a number is not finite.
 pub fn squared_distance_of_hulls(a: &[[f64; 3]], place_a: &Affine, b: &[[f64; 3]], place_b: &Affine) -> RBig {
     let (a, b) = (images(a, place_a), images(b, place_b));
     let (denominator, differences) = on_grid(&a, &b);
@@ -54,9 +56,9 @@ fn images(points: &[[f64; 3]], place: &Affine) -> Vec<[RBig; 3]> {
     points.iter().map(image).collect()
 }
 
-/// All differences as integers over one denominator.
+/// Returns all differences as integers over one denominator.
 fn on_grid(a: &[[RBig; 3]], b: &[[RBig; 3]]) -> (UBig, Vec<Vector>) {
-    // Denominators are powers of two, so the greatest is a multiple of all.
+    // Denominators are powers of two, so the largest is a multiple of all.
     let denominator = a.iter().chain(b).flatten().map(RBig::denominator).max().expect("not empty").clone();
     let scaled = |x: &RBig| x.numerator() * IBig::from(&denominator / x.denominator());
     let [a, b] = [a, b].map(|points| points.iter().map(|p| p.each_ref().map(scaled)).collect::<Vec<Vector>>());
@@ -68,7 +70,8 @@ fn single(y: Vector) -> Nearest {
     Nearest { numerators: y.clone(), denominator: IBig::ONE, part: vec![y] }
 }
 
-/// The nearest point of the simplex: that of the part whose point is inside of it and nearest among all such.
+/// Returns the nearest point of the simplex to the origin: the nearest among the points of its
+/// parts that are inside their part.
 fn nearest_of(simplex: &[Vector]) -> Nearest {
     let mut best: Option<(RBig, Nearest)> = None;
     for bits in 1_usize..1 << simplex.len() {
@@ -83,8 +86,10 @@ fn nearest_of(simplex: &[Vector]) -> Nearest {
     best.expect("a corner is a part").1
 }
 
-/// The point of the part's affine hull that is nearest to the origin, where it is inside of the part's hull: with p the
-/// first and u the edges, the weights solve (u_i·u_j) w = -u_i·p.
+/// Returns the point of the part's affine hull nearest to the origin, if it is inside the part's
+/// hull.
+///
+/// With p the first corner and u the edges, the weights solve (u_i·u_j) w = -u_i·p.
 fn nearest_inside(part: &[Vector]) -> Option<Nearest> {
     let p = &part[0];
     let edges: Vec<Vector> = part[1..].iter().map(|q| minus(q, p)).collect();
@@ -111,7 +116,7 @@ fn nearest_inside(part: &[Vector]) -> Option<Nearest> {
     (rest >= IBig::ZERO).then(|| Nearest { numerators, denominator, part: part.to_vec() })
 }
 
-/// By the first row; 1 for a matrix without rows.
+/// Returns the determinant, expanded by the first row. It is 1 for a matrix without rows.
 fn determinant(matrix: &[Vec<IBig>]) -> IBig {
     let Some(first) = matrix.first() else { return IBig::ONE };
     let mut sum = IBig::ZERO;
@@ -139,7 +144,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn known_distances() {
+    fn known_distances_are_found() {
         let cube: Vec<[f64; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
         let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let at = |translation| Affine::new(identity, translation);
@@ -148,7 +153,7 @@ mod tests {
         assert_eq!(squared([1.0, 1.0, -1.0]), RBig::ZERO);
         assert_eq!(squared([3.0, 0.5, 0.0]), RBig::from(4));
         assert_eq!(squared([3.0, -3.0, 2.0]), RBig::from(9));
-        // A corner over the inside of a face that is turned: a third of the diagonal's square.
+        // A corner over the inside of an oblique face: 1/3 of the square of the diagonal.
         let triangle = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let found = squared_distance_of_hulls(&triangle, &at([0.0; 3]), &[[0.0; 3]], &at([0.0; 3]));
         assert_eq!(found * RBig::from(3), RBig::ONE);

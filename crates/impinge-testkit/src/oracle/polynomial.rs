@@ -1,12 +1,13 @@
-//! Polynomials with rational coefficients, and how many roots they have between two numbers.
+//! Polynomials with rational coefficients, and their number of roots between two numbers.
 
 use dashu_ratio::RBig;
 
-/// Coefficients from the constant on, the last of them not zero.
+/// Coefficients from the constant on. The last one is not zero.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Polynomial(Vec<RBig>);
 
-/// A squarefree polynomial, its derivative, and the remainders of each by the next, negated (Sturm 1829).
+/// Sturm sequence: a squarefree polynomial, its derivative, and the negated remainders of each by
+/// the next (Sturm 1829).
 pub(super) struct Sturm(Vec<Polynomial>);
 
 impl Polynomial {
@@ -17,7 +18,7 @@ impl Polynomial {
         Self(coefficients)
     }
 
-    /// From one value at 0 to another at 1.
+    /// Returns the linear polynomial with one value at 0 and another at 1.
     pub(super) fn linear(start: RBig, end: RBig) -> Self {
         let slope = &end - &start;
         Self::new(vec![start, slope])
@@ -27,7 +28,7 @@ impl Polynomial {
         self.0.is_empty()
     }
 
-    /// Whether the degree is zero, or the polynomial.
+    /// Reports whether the polynomial is zero or of degree zero.
     pub(super) fn is_constant(&self) -> bool {
         self.0.len() <= 1
     }
@@ -60,13 +61,13 @@ impl Polynomial {
         Self::new(product)
     }
 
-    /// A multiple whose highest coefficient is one. The polynomial is not zero.
+    /// Returns the multiple whose highest coefficient is one. The polynomial must not be zero.
     pub(super) fn monic(&self) -> Self {
         let highest = &self.0[self.0.len() - 1];
         Self(self.0.iter().map(|coefficient| coefficient / highest).collect())
     }
 
-    /// Quotient and remainder. The divisor is not zero.
+    /// Returns the quotient and the remainder. The divisor must not be zero.
     fn divided(&self, divisor: &Self) -> (Self, Self) {
         let mut remainder = self.0.clone();
         let degree = divisor.0.len() - 1;
@@ -85,7 +86,8 @@ impl Polynomial {
         Self::new(self.0.iter().enumerate().skip(1).map(|(power, x)| x * RBig::from(power)).collect())
     }
 
-    /// The monic polynomial of highest degree that divides both, neither of which is zero (Euclid).
+    /// Returns the monic polynomial of highest degree that divides both (Euclid). Neither may be
+    /// zero.
     pub(super) fn common_divisor(&self, other: &Self) -> Self {
         let (mut x, mut y) = (self.monic(), other.monic());
         while !y.is_zero() {
@@ -96,7 +98,8 @@ impl Polynomial {
         x
     }
 
-    /// The polynomial with the same roots, each of them once. It is not zero.
+    /// Returns the polynomial with the same roots, each of them simple. The polynomial must not be
+    /// zero.
     pub(super) fn squarefree(&self) -> Self {
         if self.is_constant() {
             return self.monic();
@@ -104,7 +107,7 @@ impl Polynomial {
         self.divided(&self.common_divisor(&self.derivative())).0.monic()
     }
 
-    /// The sequence that counts roots. The polynomial is squarefree.
+    /// Returns the sequence that counts roots. The polynomial must be squarefree.
     pub(super) fn sturm(&self) -> Sturm {
         let mut sequence = vec![self.clone(), self.derivative()];
         while let [.., x, y] = sequence.as_slice()
@@ -118,7 +121,7 @@ impl Polynomial {
 }
 
 impl Sturm {
-    /// How many roots are above `low` and up to `high`.
+    /// Returns the number of roots above `low` and up to `high`.
     pub(super) fn roots_between(&self, low: &RBig, high: &RBig) -> usize {
         self.variations(low) - self.variations(high)
     }
@@ -150,7 +153,7 @@ mod tests {
             [count(-9, 9), count(-3, 5), count(0, 1), count(1, 2), count(2, 4), count(-9, -4)],
             [4, 3, 1, 1, 0, 0]
         );
-        // x² + 1 has none, and x² - 2 has one between 1 and 2.
+        // x² + 1 has no root, and x² - 2 has one between 1 and 2.
         let square = with_roots(&[0, 0]);
         let constant = |x: i64| Polynomial::new(vec![RBig::from(x)]);
         assert_eq!(square.plus(&constant(1)).sturm().roots_between(&RBig::from(-9), &RBig::from(9)), 0);

@@ -1,30 +1,32 @@
-//! Two triangles meet where a linear program has a solution.
+//! Intersection of two triangles as feasibility of a linear program, in integers of any size.
 //!
-//! The triangles with corners A₀ A₁ A₂ and B₀ B₁ B₂ have a point in common exactly where weights l, m ≥ 0, each of sum 1,
-//! satisfy Σ lᵢ Aᵢ = Σ mⱼ Bⱼ. That is five equations in six unknowns that are not negative. Phase 1 of the simplex method
-//! decides it: start from five artificial variables, minimise their sum, and see whether it reaches zero.
+//! The triangles with corners A₀ A₁ A₂ and B₀ B₁ B₂ have a point in common exactly if weights l, m
+//! ≥ 0, each of sum 1, satisfy Σ lᵢ Aᵢ = Σ mⱼ Bⱼ. These are five equations in six unknowns of zero
+//! or more. Phase 1 of the simplex method decides it: start from five artificial variables,
+//! minimize their sum, and check whether it reaches zero.
 //!
-//! The tableau is kept in integers over one common denominator, which each pivot divides out exactly (Edmonds' integer
-//! pivoting; Azulay and Pique, *A revised simplex method with integer Q-matrices*, 2001). Bland's rule makes it end:
-//! the least index enters, and among tied ratios the least index leaves (Bland, *New finite pivoting rules*, 1977).
-//! An artificial variable that has left never returns, so its column is not kept.
+//! The tableau is kept in integers over one common denominator, which each pivot divides out
+//! exactly (Edmonds' integer pivoting; Azulay and Pique, *A revised simplex method with integer
+//! Q-matrices*, 2001). Bland's rule guarantees that it ends: the least index enters, and among tied
+//! ratios the least index leaves (Bland, *New finite pivoting rules*, 1977). An artificial variable
+//! that has left never returns, so its column is not kept.
 
 use super::integers::{Vector, corners};
 use crate::Affine;
 use dashu_int::IBig;
 
-/// Columns: weights of A, weights of B, right-hand side.
+/// Column of the right-hand side. The columns before it are the weights of A and of B.
 const RIGHT: usize = 6;
-/// Rows: x, y, z, sum of the weights of A, sum of the weights of B, cost.
+/// Row of the cost. The rows before it are x, y, z, and the sums of the weights of A and of B.
 const COST: usize = 5;
 
-/// Whether two closed triangles have a point in common, exactly.
+/// Reports whether two closed triangles have a point in common, exactly.
 ///
-/// Corners are local; the answer is about their images under the maps. A triangle of no area is the segment or the
-/// point that it spans.
+/// Corners are in local frames, and the answer is about their images under the maps. A triangle
+/// without area is the segment or the point that it spans.
 ///
 /// # Panics
-/// Where a number is not finite.
+/// Panics if a number is not finite.
 pub fn triangles_meet(a: &[[f64; 3]; 3], world_from_a: &Affine, b: &[[f64; 3]; 3], world_from_b: &Affine) -> bool {
     let (a, b) = corners(a, world_from_a, b, world_from_b);
     Tableau::new(a, b).reaches_zero()
@@ -34,7 +36,7 @@ struct Tableau {
     /// Entries times `denominator`, which is positive.
     rows: [[IBig; 7]; 6],
     denominator: IBig,
-    /// The variable that each equation is solved for; 6 and above are artificial.
+    /// Variable that each equation is solved for. Variables 6 and above are artificial.
     basis: [usize; 5],
 }
 
@@ -61,10 +63,11 @@ impl Tableau {
         Self { rows, denominator: IBig::ONE, basis: [6, 7, 8, 9, 10] }
     }
 
-    /// Minimises the sum of the artificial variables.
+    /// Minimizes the sum of the artificial variables, and reports whether it reaches zero.
     fn reaches_zero(mut self) -> bool {
         loop {
-            // The right end of the cost row is minus the sum of the artificial variables, which is never negative.
+            // The last entry of the cost row is minus the sum of the artificial variables, which is
+            // never negative.
             if self.rows[COST][RIGHT] == IBig::ZERO {
                 return true;
             }
@@ -76,7 +79,7 @@ impl Tableau {
         }
     }
 
-    /// The equation that limits how far the entering variable can grow.
+    /// Returns the equation that limits the growth of the entering variable.
     fn leaving(&self, entering: usize) -> Option<usize> {
         (0..COST).filter(|&row| self.rows[row][entering] > IBig::ZERO).min_by(|&i, &j| {
             let (row_i, row_j) = (&self.rows[i], &self.rows[j]);
@@ -116,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn touching_counts_and_the_least_gap_does_not() {
+    fn touching_intersects_and_the_smallest_gap_does_not() {
         let above = 5e-324;
         let stands_at = |z: f64| [[1.0, 1.0, z], [1.0, 1.0, 3.0], [2.0, 1.0, 3.0]];
         assert!(meets_floor(stands_at(0.0)));
@@ -140,7 +143,8 @@ mod tests {
 
     #[test]
     fn the_pose_is_not_rounded() {
-        // 3 * 0.1 lies half-way, to 2^-55, between 0.3 and the float after it, which is what the product rounds to.
+        // 3 * 0.1 lies half-way, to 2^-55, between 0.3 and the next float, to which the product
+        // rounds.
         let lifted = Affine::new([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 3.0]], [0.0, 0.0, -0.3]);
         let b = [[1.0, 1.0, 0.1], [1.0, 1.0, 3.0], [2.0, 1.0, 3.0]];
         assert!(!triangles_meet(&FLOOR, &Affine::IDENTITY, &b, &lifted));

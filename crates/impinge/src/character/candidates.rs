@@ -94,7 +94,7 @@ impl Needs {
         self.sphere = self.sphere.max(reach(&volumes[0]));
         self.capsule = self.capsule.max(reach(&volumes[1]));
         self.lozenge = self.lozenge.max(reach(&volumes[2]));
-        let offset = sub(&point, &candidates.obb.centre());
+        let offset = sub(&point, &candidates.obb.center());
         for (range, axis) in self.obb.iter_mut().zip(candidates.obb.axes()) {
             let t = dot(&axis, &offset);
             *range = [range[0].min(t), range[1].max(t)];
@@ -129,17 +129,17 @@ impl Candidates {
     /// [`grow_hull`](Self::grow_hull) adds the rest.
     pub(super) fn grow(&mut self, needs: &Needs, margin: f64) -> Result<(), InputError> {
         let radius = |need: f64| need * (1.0 + 1e-12) + margin;
-        self.sphere = BoundingSphere::new(self.sphere.centre(), radius(needs.sphere))?;
+        self.sphere = BoundingSphere::new(self.sphere.center(), radius(needs.sphere))?;
         let [from, to] = self.capsule.ends();
         self.capsule = Capsule::new(from, to, radius(needs.capsule))?;
         self.lozenge = Lozenge::new(self.lozenge.corner(), self.lozenge.edges(), radius(needs.lozenge))?;
         let axes = self.obb.axes();
         let middle = [0, 1, 2].map(|k| 0.5 * (needs.obb[k][0] + needs.obb[k][1]));
-        let centre = (0..3).fold(self.obb.centre(), |at, k| add(&at, &scale(&axes[k], middle[k])));
+        let center = (0..3).fold(self.obb.center(), |at, k| add(&at, &scale(&axes[k], middle[k])));
         // The axes are orthonormal within 2^-40.
-        let most = needs.obb.iter().flatten().fold(length(&self.obb.centre()), |most, x| most.max(x.abs()));
+        let most = needs.obb.iter().flatten().fold(length(&self.obb.center()), |most, x| most.max(x.abs()));
         let half = needs.obb.map(|[low, high]| 0.5 * (high - low) + 4e-12 * most + margin);
-        self.obb = Obb::new(centre, axes, half)?;
+        self.obb = Obb::new(center, axes, half)?;
         let mut points = self.hull.hull().positions().to_vec();
         points.extend(needs.out.iter().filter(|out| out.0 > 0.0).map(|out| out.1));
         self.hull = HitHull::new(&points)?;

@@ -37,11 +37,11 @@ impl HitVolume {
         let padding = RAY_PADDING * (length(&sub(&middle, &origin)) + length(&origin) + length(&middle) + reach);
         let radius = self.radius() + padding;
         let found = match self {
-            Self::Sphere(sphere) => through_sphere(near, direction, sphere.centre(), radius),
+            Self::Sphere(sphere) => through_sphere(near, direction, sphere.center(), radius),
             Self::Capsule(capsule) => through_capsule(near, direction, capsule.ends(), radius),
             Self::Lozenge(lozenge) => through_lozenge(near, direction, lozenge, radius),
             Self::Box(obb) => {
-                let offset = sub(&near, &obb.centre());
+                let offset = sub(&near, &obb.center());
                 let slabs = [0, 1, 2].map(|k| (dot(&obb.axes()[k], &offset), dot(&obb.axes()[k], &direction)));
                 between_planes((0..6).map(|side| {
                     let (k, sign) = (side / 2, if side % 2 == 0 { 1.0 } else { -1.0 });
@@ -73,7 +73,7 @@ impl HitVolume {
                 unit(&sub(&point, &self.closest_on_core(point))).unwrap_or(ANY)
             }
             Self::Box(obb) => {
-                let offset = sub(&point, &obb.centre());
+                let offset = sub(&point, &obb.center());
                 let beyond = [0, 1, 2].map(|k| dot(&obb.axes()[k], &offset));
                 let excess = |k: usize| beyond[k].abs() - obb.half_extents()[k];
                 let k = (0..3).max_by(|&i, &j| excess(i).total_cmp(&excess(j))).unwrap_or(0);
@@ -87,8 +87,8 @@ impl HitVolume {
     }
 }
 
-fn through_sphere(from: Vector, direction: Vector, centre: Vector, radius: f64) -> Option<[f64; 2]> {
-    let offset = sub(&from, &centre);
+fn through_sphere(from: Vector, direction: Vector, center: Vector, radius: f64) -> Option<[f64; 2]> {
+    let offset = sub(&from, &center);
     let (a, b) = (dot(&direction, &direction), dot(&direction, &offset));
     // The offset perpendicular to the ray, computed without cancellation.
     let across = sub(&offset, &scale(&direction, b / a));

@@ -382,15 +382,15 @@ fn trimmed(points: &[Vector]) -> Result<Candidates, InputError> {
     };
     let along = |axis: Vector, share: f64| quantile(points.iter().map(|&p| dot(&axis, &p)).collect(), share);
     let radii = [VolumeKind::Sphere, VolumeKind::Capsule, VolumeKind::Lozenge].map(|k| reach(&candidates.volume(k)));
-    candidates.sphere = BoundingSphere::new(candidates.sphere.centre(), radii[0])?;
+    candidates.sphere = BoundingSphere::new(candidates.sphere.center(), radii[0])?;
     let [from, to] = candidates.capsule.ends();
     candidates.capsule = Capsule::new(from, to, radii[1])?;
     candidates.lozenge = Lozenge::new(candidates.lozenge.corner(), candidates.lozenge.edges(), radii[2])?;
     let axes = candidates.obb.axes();
     // One sixth of the share on each of the six sides.
     let ranges = axes.map(|axis| [along(axis, TRIMMED_SHARE / 6.0), along(axis, 1.0 - TRIMMED_SHARE / 6.0)]);
-    let centre = (0..3).fold([0.0; 3], |at, k| add(&at, &scale(&axes[k], 0.5 * (ranges[k][0] + ranges[k][1]))));
-    candidates.obb = Obb::new(centre, axes, ranges.map(|[low, high]| 0.5 * (high - low)))?;
+    let center = (0..3).fold([0.0; 3], |at, k| add(&at, &scale(&axes[k], 0.5 * (ranges[k][0] + ranges[k][1]))));
+    candidates.obb = Obb::new(center, axes, ranges.map(|[low, high]| 0.5 * (high - low)))?;
     let inside: Vec<Vector> = points.iter().copied().filter(|&p| candidates.obb.contains(p)).collect();
     if !inside.is_empty() {
         candidates.hull = HitHull::new(&inside)?;

@@ -96,15 +96,15 @@ impl<'c> Posed<'c> {
             let frame = Frame::new(bone.rotation_wxyz, add(&bone.origin(), &origin));
             let (local, radius) = part.sphere;
             let turned = apply(&frame.rotation, local);
-            let centre = add(&turned, &frame.origin);
+            let center = add(&turned, &frame.origin);
             let size = length(&local) + radius + length(&frame.origin);
             let radius = radius + ROUNDING * size;
             for k in 0..3 {
-                outer[0][k] = outer[0][k].min(centre[k] - radius);
-                outer[1][k] = outer[1][k].max(centre[k] + radius);
+                outer[0][k] = outer[0][k].min(center[k] - radius);
+                outer[1][k] = outer[1][k].max(center[k] + radius);
             }
             self.frames.push(frame);
-            self.spheres.push((centre, radius));
+            self.spheres.push((center, radius));
         }
         self.outer = outer;
         self.piece_frames.clear();

@@ -59,7 +59,7 @@ pub(super) struct SkinTree {
 struct Node {
     bone: u32,
     /// Center of the vertices before any bone or morph target moves them.
-    centre: Vector,
+    center: Vector,
     radius: f64,
     /// Maximum number of terms added for a vertex or for the center.
     terms: f64,
@@ -198,8 +198,8 @@ impl SkinTree {
     fn about(&mut self, skin: &Skin, bone: u32, vertices: &[u32]) -> Node {
         let places: Vec<Vector> = vertices.iter().map(|&vertex| skin.positions()[vertex as usize]).collect();
         let [low, high] = box_of(&places);
-        let centre = scale(&add(&low, &high), 0.5);
-        let radius = places.iter().map(|&p| length(&sub(&p, &centre))).fold(0.0, f64::max) * (1.0 + 1e-12);
+        let center = scale(&add(&low, &high), 0.5);
+        let radius = places.iter().map(|&p| length(&sub(&p, &center))).fold(0.0, f64::max) * (1.0 + 1e-12);
 
         // For each joint: the minimum and maximum weight, and the number of vertices that follow
         // it. Other vertices have a weight of zero.
@@ -236,7 +236,7 @@ impl SkinTree {
         }));
         self.reaches.extend(reaches);
         let [blends, reaches] = [[starts[0], self.blends.len() as u32], [starts[1], self.reaches.len() as u32]];
-        Node { bone, centre, radius, terms, blends, reaches, children: Children::Nodes([0; 2]) }
+        Node { bone, center, radius, terms, blends, reaches, children: Children::Nodes([0; 2]) }
     }
 
     fn offsets_of(&self, vertex: u32) -> &[(u32, Vector)] {
@@ -270,10 +270,10 @@ impl SkinTree {
         let reaches = &self.reaches[node.reaches[0] as usize..node.reaches[1] as usize];
         let morphed = |&(morph, by): &(u32, f64)| pose.morph_weights[morph as usize].abs() * by;
         let radius = node.radius + reaches.iter().map(morphed).sum::<f64>();
-        let farthest = length(&node.centre) + radius;
+        let farthest = length(&node.center) + radius;
         let image = |blend: &Blend| {
             let (linear, offset) = &pose.palette[blend.joint as usize];
-            add(&apply(linear, node.centre), offset)
+            add(&apply(linear, node.center), offset)
         };
         let (mut middle, mut stretch, mut size) = ([0.0; 3], 0.0_f64, 0.0_f64);
         for blend in blends {

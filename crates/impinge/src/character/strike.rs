@@ -59,8 +59,8 @@ struct MovingVolume<'v> {
 
 impl<'v> MovingVolume<'v> {
     fn new(volume: &'v HitVolume, from: Frame, to: Frame, off: f64) -> Self {
-        let (centre, radius) = volume.bounding_sphere();
-        let reach = (length(&centre) + radius) * (1.0 + 1e-12);
+        let (center, radius) = volume.bounding_sphere();
+        let reach = (length(&center) + radius) * (1.0 + 1e-12);
         // On the shorter arc the chord is at most √2. There arcsin x ≤ x + 0.2216 x³, with equality
         // at the end.
         let chord = |sign: f64| {
@@ -85,8 +85,8 @@ impl<'v> MovingVolume<'v> {
 
     /// Returns a sphere around the volume in a frame, in the world.
     fn sphere(&self, frame: &Frame) -> (Vector, f64) {
-        let (centre, radius) = self.volume.bounding_sphere();
-        (frame.apply(centre), radius * (1.0 + 1e-12))
+        let (center, radius) = self.volume.bounding_sphere();
+        (frame.apply(center), radius * (1.0 + 1e-12))
     }
 }
 

@@ -169,11 +169,11 @@ impl Line {
 
     /// Returns a distance from the origin before which the ray is proved to be outside a sphere, or
     /// `None` if it is proved to miss the sphere.
-    fn enters(&self, &(centre, radius): &(Vector, f64)) -> Option<f64> {
-        let offset = sub(&centre, &self.origin);
+    fn enters(&self, &(center, radius): &(Vector, f64)) -> Option<f64> {
+        let offset = sub(&center, &self.origin);
         let along = dot(&self.direction, &offset);
         let across = sub(&offset, &scale(&self.direction, along));
-        let reach = radius + ROUNDING * (length(&offset) + length(&self.origin) + length(&centre));
+        let reach = radius + ROUNDING * (length(&offset) + length(&self.origin) + length(&center));
         let is_missed = dot(&across, &across) > reach * reach * (1.0 + 1e-12) || along < -reach;
         (!is_missed).then_some(along - reach)
     }

@@ -175,23 +175,23 @@ impl HitVolume {
     #[must_use]
     pub fn bounding_sphere(&self) -> ([f64; 3], f64) {
         match self {
-            Self::Sphere(sphere) => (sphere.centre(), sphere.radius()),
+            Self::Sphere(sphere) => (sphere.center(), sphere.radius()),
             Self::Capsule(capsule) => {
                 let [a, b] = capsule.ends();
                 (scale(&add(&a, &b), 0.5), 0.5 * length(&sub(&b, &a)) + capsule.radius())
             }
-            Self::Box(obb) => (obb.centre(), length(&obb.half_extents())),
+            Self::Box(obb) => (obb.center(), length(&obb.half_extents())),
             Self::Lozenge(lozenge) => {
                 let diagonal = add(&lozenge.edges()[0], &lozenge.edges()[1]);
                 let other = sub(&lozenge.edges()[0], &lozenge.edges()[1]);
-                let centre = add(&lozenge.corner(), &scale(&diagonal, 0.5));
-                (centre, 0.5 * length(&diagonal).max(length(&other)) + lozenge.radius())
+                let center = add(&lozenge.corner(), &scale(&diagonal, 0.5));
+                (center, 0.5 * length(&diagonal).max(length(&other)) + lozenge.radius())
             }
             Self::Hull(HitHull { hull, .. }) => {
                 let [low, high] = box_of(hull.positions());
-                let centre = scale(&add(&low, &high), 0.5);
-                let radius = hull.positions().iter().map(|&p| length(&sub(&p, &centre))).fold(0.0, f64::max);
-                (centre, radius)
+                let center = scale(&add(&low, &high), 0.5);
+                let radius = hull.positions().iter().map(|&p| length(&sub(&p, &center))).fold(0.0, f64::max);
+                (center, radius)
             }
         }
     }
@@ -202,12 +202,12 @@ impl HitVolume {
     pub fn support(&self, direction: [f64; 3]) -> [f64; 3] {
         let out = |radius: f64| unit(&direction).map_or([0.0; 3], |direction| scale(&direction, radius));
         match self {
-            Self::Sphere(sphere) => add(&sphere.centre(), &out(sphere.radius())),
+            Self::Sphere(sphere) => add(&sphere.center(), &out(sphere.radius())),
             Self::Capsule(capsule) => {
                 let [a, b] = capsule.ends();
                 add(&if dot(&sub(&b, &a), &direction) > 0.0 { b } else { a }, &out(capsule.radius()))
             }
-            Self::Box(obb) => (0..3).fold(obb.centre(), |at, k| {
+            Self::Box(obb) => (0..3).fold(obb.center(), |at, k| {
                 let axis = obb.axes()[k];
                 add(&at, &scale(&axis, obb.half_extents()[k].copysign(dot(&axis, &direction))))
             }),
@@ -228,7 +228,7 @@ impl HitVolume {
                 length(&sub(&point, &self.closest_on_core(point))) - self.radius()
             }
             Self::Box(obb) => {
-                let offset = sub(&point, &obb.centre());
+                let offset = sub(&point, &obb.center());
                 let beyond = [0, 1, 2].map(|k| dot(&obb.axes()[k], &offset).abs() - obb.half_extents()[k]);
                 let deepest = beyond.into_iter().fold(f64::NEG_INFINITY, f64::max);
                 if deepest <= 0.0 { deepest } else { length(&beyond.map(|x| x.max(0.0))) }
@@ -253,7 +253,7 @@ impl HitVolume {
     /// For a box it returns the center, for a hull any of its corners.
     pub(super) fn closest_on_core(&self, point: Vector) -> Vector {
         match self {
-            Self::Sphere(sphere) => sphere.centre(),
+            Self::Sphere(sphere) => sphere.center(),
             Self::Capsule(capsule) => {
                 let [from, to] = capsule.ends();
                 toward(from, sub(&to, &from), sub(&point, &from))
@@ -263,7 +263,7 @@ impl HitVolume {
                 let offset = sub(&point, &lozenge.corner());
                 lozenge.edges().into_iter().fold(lozenge.corner(), |at, edge| toward(at, edge, offset))
             }
-            Self::Box(obb) => obb.centre(),
+            Self::Box(obb) => obb.center(),
             Self::Hull(HitHull { hull, .. }) => hull.positions()[0],
         }
     }
@@ -285,7 +285,7 @@ impl HitVolume {
     /// Returns an error if the volume exceeds the range of shapes.
     pub fn shape_in(&self, world_from_local: Pose) -> Result<(Shape, Pose), InputError> {
         let shape = match self {
-            Self::Sphere(sphere) => Shape::sphere(sphere.centre(), sphere.radius())?,
+            Self::Sphere(sphere) => Shape::sphere(sphere.center(), sphere.radius())?,
             Self::Capsule(capsule) => {
                 let [a, b] = capsule.ends();
                 Shape::capsule(a, b, capsule.radius())?
@@ -306,7 +306,7 @@ impl HitVolume {
         let Self::Box(obb) = self else { return Ok(world_from_local) };
         let columns = obb.axes();
         let linear = [0, 1, 2].map(|i| [0, 1, 2].map(|k| columns[k][i]));
-        world_from_local.compose(&Pose::new(linear, obb.centre())?)
+        world_from_local.compose(&Pose::new(linear, obb.center())?)
     }
 }
 

@@ -66,7 +66,7 @@ pub(super) fn may_overlap(a: &PlacedVolume<'_>, b: &PlacedVolume<'_>) -> Result<
 /// Returns the segment that a sphere sweeps, or `None` for other volumes.
 fn segment(volume: &HitVolume) -> Option<[Vector; 2]> {
     match volume {
-        HitVolume::Sphere(sphere) => Some([sphere.centre(); 2]),
+        HitVolume::Sphere(sphere) => Some([sphere.center(); 2]),
         HitVolume::Capsule(capsule) => Some(capsule.ends()),
         _ => None,
     }
@@ -76,7 +76,7 @@ fn segment(volume: &HitVolume) -> Option<[Vector; 2]> {
 /// mesh. Points and segments become triangles without area.
 pub(super) fn core(volume: &HitVolume) -> (Vec<Vector>, Vec<[u32; 3]>) {
     match volume {
-        HitVolume::Sphere(sphere) => (vec![sphere.centre()], vec![[0; 3]]),
+        HitVolume::Sphere(sphere) => (vec![sphere.center()], vec![[0; 3]]),
         HitVolume::Capsule(capsule) => (capsule.ends().to_vec(), vec![[0, 1, 1]]),
         HitVolume::Lozenge(lozenge) => {
             let ([u, v], c) = (lozenge.edges(), lozenge.corner());

@@ -17,7 +17,7 @@ impl Swept<'_> {
     ///
     /// # Accuracy
     /// The box is tight up to units of 2^-53 of the magnitudes that sum up to a coordinate: about 8
-    /// units for corners, and the number of units in docs/proof.md, L20, for other cores.
+    /// units for corners, and the number of units in docs/notes/proof.md, L20, for other cores.
     pub(crate) fn world_bounds(&self) -> [[f64; 3]; 2] {
         let [against, along] = match self.core.corners() {
             Some(corners) if corners.len() <= MAX_SCANNED_CORNERS => self.heights_of_corners(corners),

@@ -10,7 +10,8 @@
 //! # Source
 //! Gottschalk, Lin, Manocha, *OBBTree*, SIGGRAPH 1996, for the fifteen axes; McMullen, *On
 //! zonotopes*, Transactions of the AMS 159, 1971, for the proof that they are enough. Ours departs
-//! in affine maps, in an error bound for each direction (docs/proof.md, L33), and in the points.
+//! in affine maps, in an error bound for each direction (docs/notes/proof.md, L33), and in the
+//! points.
 //!
 //! The tests below guard this file, and the benchmark is `shapes` in `impinge-bench`.
 
@@ -95,7 +96,7 @@ impl<'p> Boxes<'p> {
         }
         // The condition on `facets` matters: if the origin is strictly inside one slab, the
         // segments span space.
-        if is_inside && facets > 0 { Proximity::Meets } else { Proximity::Undecided }
+        if is_inside && facets > 0 { Proximity::Intersects } else { Proximity::Undecided }
     }
 
     /// Returns the depth, or `None` if the interval is wider than `width`, in the common unit, or
@@ -273,10 +274,10 @@ mod tests {
             let truth = distance::by_iteration(&pair, [[0.0; 2]; 2], 0.0);
             let found = boxes.proximity();
             assert!(found == Proximity::Undecided || found == truth, "{a:?} {b:?}: {found:?}, not {truth:?}");
-            proximities[usize::from(truth == Proximity::Meets)][found as usize] += 1;
-            asked += u32::from(truth == Proximity::Meets);
+            proximities[usize::from(truth == Proximity::Intersects)][found as usize] += 1;
+            asked += u32::from(truth == Proximity::Intersects);
             let Some(found) = boxes.depth(HULL_FALLBACK_WIDTH) else { continue };
-            assert_eq!(truth, Proximity::Meets);
+            assert_eq!(truth, Proximity::Intersects);
             depths += 1;
             let (other, _) = depth::by_iteration(&pair, Effort::DEPTH);
             assert!(
@@ -301,7 +302,7 @@ mod tests {
         let certain = |truth: usize, found: Proximity| {
             f64::from(proximities[truth][found as usize]) / f64::from(proximities[truth].iter().sum::<i32>())
         };
-        assert!(certain(0, Proximity::Apart) > 0.95 && certain(1, Proximity::Meets) > 0.6, "{proximities:?}");
+        assert!(certain(0, Proximity::Apart) > 0.95 && certain(1, Proximity::Intersects) > 0.6, "{proximities:?}");
         assert!(f64::from(depths) > 0.5 * f64::from(asked), "{depths} depths of {asked}");
     }
 

@@ -16,7 +16,7 @@
 //! See `expand`. Ours departs in the exact hull, used if floats are not enough, and in the
 //! interval.
 //!
-//! The proof is docs/proof.md, L22. The tests are in `tests/it/shapes`.
+//! The proof is docs/notes/proof.md, L22. The tests are in `tests/it/shapes`.
 
 use super::around::about_origin;
 use super::boxes::Boxes;

@@ -57,14 +57,14 @@ fn separation_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
     let [lower, upper] = match proximity {
         Proximity::Apart => [lower, upper],
         Proximity::Undecided => [0.0, upper],
-        Proximity::Meets => [0.0; 2],
+        Proximity::Intersects => [0.0; 2],
     };
     let points = on_surfaces(gap.points.map(|point| pair.world(point)), [a.radius[0], b.radius[0]]);
     Separation { lower, upper, points, proximity }
 }
 
 /// Reports whether two shapes are within `clearance` of each other, in world units. The clearance
-/// must be finite and not negative. `Meets` means that they are.
+/// must be finite and not negative. `Intersects` means that they are.
 pub(crate) fn nearness(a: &Swept<'_>, b: &Swept<'_>, clearance: f64) -> Proximity {
     let [a, b] = if a.is_before(b) { [a, b] } else { [b, a] };
     let pair = Pair::new(a, b);
@@ -76,7 +76,7 @@ pub(crate) fn nearness(a: &Swept<'_>, b: &Swept<'_>, clearance: f64) -> Proximit
 fn by_boxes(pair: &Pair<'_>, radii: [[f64; 2]; 2], clearance: f64) -> Option<Proximity> {
     let answer = Boxes::of(pair)?.proximity();
     let is_plain = [radii[0][1], radii[1][1], clearance] == [0.0; 3];
-    (answer == Proximity::Meets || answer == Proximity::Apart && is_plain).then_some(answer)
+    (answer == Proximity::Intersects || answer == Proximity::Apart && is_plain).then_some(answer)
 }
 
 /// Returns the same as [`nearness`], for any cores, without the closed form for boxes.
@@ -149,19 +149,19 @@ fn classify(
             return found;
         }
         if holds_origin(pair, gap) {
-            return Proximity::Meets;
+            return Proximity::Intersects;
         }
     }
     let Some(least) = exact.or_else(|| least_distance(pair, &gap.simplex)) else {
         let meets = gap.lower == 0.0 && certainly_intersect(pair, &gap.simplex);
-        return if meets { Proximity::Meets } else { Proximity::Undecided };
+        return if meets { Proximity::Intersects } else { Proximity::Undecided };
     };
     let is_within = |end: usize| {
         let reach = &(&Dyadic::from_f64(a[end]) + &Dyadic::from_f64(b[end])) + &Dyadic::from_f64(clearance);
         least.is_at_most_root_of(&(&reach * &reach))
     };
     if is_within(0) {
-        Proximity::Meets
+        Proximity::Intersects
     } else if is_within(1) {
         Proximity::Undecided
     } else {
@@ -177,7 +177,7 @@ fn by_bounds(pair: &Pair<'_>, [a, b]: [[f64; 2]; 2], gap: &Gap, clearance: f64) 
     if lower > above(sum(1)) {
         Some(Proximity::Apart)
     } else if upper <= below(sum(0)) {
-        Some(Proximity::Meets)
+        Some(Proximity::Intersects)
     } else {
         None
     }

@@ -59,7 +59,7 @@ impl Facets {
         let corners: Vec<(u32, [f64; 3])> = (0..).zip(hull.positions().iter().copied()).collect();
         let mut neighbors = Ragged::default();
         for &(corner, _) in &corners {
-            neighbors.entries.extend(hull.neighbours(corner));
+            neighbors.entries.extend(hull.neighbors(corner));
             neighbors.close();
         }
         let outlines = outlines(hull);
@@ -81,7 +81,7 @@ impl Facets {
 /// Returns the outlines of a hull's facets: its fans of triangles, joined across the diagonals,
 /// which are not edges of the hull.
 fn outlines(hull: &Hull) -> Ragged {
-    let is_edge = |from: u32, to: u32| hull.neighbours(from).binary_search(&to).is_ok();
+    let is_edge = |from: u32, to: u32| hull.neighbors(from).binary_search(&to).is_ok();
     // Faces are sorted, and so are the fans by their first corner. The next face of a fan is found
     // by its first edge.
     let faces = hull.faces();

@@ -11,7 +11,7 @@
 //! *Collision Detection in Interactive 3D Environments*, 2003, chapter 4, for its failures in
 //! floats. Ours departs in that it decides nothing.
 //!
-//! The proof is docs/proof.md, L20, and the tests are in `tests/it/shapes`.
+//! The proof is docs/notes/proof.md, L20, and the tests are in `tests/it/shapes`.
 
 use super::posed::{Difference, Pair, to_unit_entries};
 use super::simplex::Simplex;

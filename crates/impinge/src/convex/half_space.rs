@@ -4,7 +4,7 @@
 //! cofactor matrix of R, times the sign of det R, applied to n. All of that is exact, and so are
 //! the heights of vertices. Only lengths are roots; they are squared if something is decided.
 //!
-//! The proof is docs/proof.md, L21 and L28. The tests are in `tests/it/shapes/pairs.rs` and
+//! The proof is docs/notes/proof.md, L21 and L28. The tests are in `tests/it/shapes/pairs.rs` and
 //! `tests/it/shapes/surfaces.rs`.
 
 use super::depth::Depth;
@@ -180,14 +180,14 @@ impl<'a> HalfSpace<'a> {
     }
 
     /// Reports whether a shape is within `clearance` of this half-space, in world units. The
-    /// clearance must be finite and not negative. `Meets` means that it is.
+    /// clearance must be finite and not negative. `Intersects` means that it is.
     pub(crate) fn nearness(&self, shape: &Swept<'_>, clearance: f64) -> Proximity {
         let start = self.start(shape);
         if start.lower > clearance {
             return Proximity::Apart;
         }
         if start.upper <= clearance {
-            return Proximity::Meets;
+            return Proximity::Intersects;
         }
         let Some(least) = self.least_height(shape) else { return Proximity::Undecided };
         let squared = dyadic::dot(&self.normal, &self.normal);
@@ -197,7 +197,7 @@ impl<'a> HalfSpace<'a> {
             least.sign() != Sign::Positive || (&(&least * &least) - &limit).sign() != Sign::Positive
         };
         match (is_within(0), is_within(1)) {
-            (true, _) => Proximity::Meets,
+            (true, _) => Proximity::Intersects,
             (false, true) => Proximity::Undecided,
             (false, false) => Proximity::Apart,
         }
@@ -209,7 +209,7 @@ impl<'a> HalfSpace<'a> {
         let [lower, upper] = match proximity {
             Proximity::Apart => [start.lower.max(0.0), start.upper],
             Proximity::Undecided => [0.0, start.upper.max(0.0)],
-            Proximity::Meets => [0.0; 2],
+            Proximity::Intersects => [0.0; 2],
         };
         let points = [self.moved(start.point, -start.lower.max(0.0)), start.point];
         Separation { lower, upper, points, proximity }
@@ -251,10 +251,10 @@ impl<'a> HalfSpace<'a> {
     /// Reports whether another half-space is within `clearance` of this one, in world units. The
     /// answer is exact.
     pub(crate) fn nearness_of_half_spaces(&self, other: &HalfSpace<'_>, clearance: f64) -> Proximity {
-        let Some([gap, squared]) = self.facing_gap(other) else { return Proximity::Meets };
+        let Some([gap, squared]) = self.facing_gap(other) else { return Proximity::Intersects };
         let limit = &Dyadic::product(clearance, clearance) * &squared;
         let is_within = gap.sign() != Sign::Positive || (&(&gap * &gap) - &limit).sign() != Sign::Positive;
-        if is_within { Proximity::Meets } else { Proximity::Apart }
+        if is_within { Proximity::Intersects } else { Proximity::Apart }
     }
 
     /// Returns the distance of another half-space, in world units.
@@ -264,7 +264,7 @@ impl<'a> HalfSpace<'a> {
             (Proximity::Apart, Some(facing)) => root_bounds(&facing),
             _ => [0.0; 2],
         };
-        let point = if proximity == Proximity::Meets { self.common_point(other) } else { self.on_plane() };
+        let point = if proximity == Proximity::Intersects { self.common_point(other) } else { self.on_plane() };
         Separation { lower, upper, points: [point, self.moved(point, upper)], proximity }
     }
 

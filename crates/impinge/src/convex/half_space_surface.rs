@@ -18,8 +18,8 @@ impl HalfSpace<'_> {
     pub(crate) fn nearness_of_surface(&self, surface: &Surface<'_>, clearance: f64) -> Proximity {
         let mut answer = Proximity::Apart;
         self.search(surface, clearance, |face, cut| {
-            if self.nearness(face, clearance) == Proximity::Meets {
-                answer = Proximity::Meets;
+            if self.nearness(face, clearance) == Proximity::Intersects {
+                answer = Proximity::Intersects;
                 return f64::NEG_INFINITY;
             }
             cut

@@ -9,7 +9,7 @@
 //! # Source
 //! Clipping facing polygons is the method of all engines (Gregorius, *Robust Contact Creation for
 //! Physics Simulations*, GDC 2015). Ours departs in three ways. Both shapes are treated alike.
-//! Points are means of corners, which gives each depth an interval (docs/proof.md, L28). The
+//! Points are means of corners, which gives each depth an interval (docs/notes/proof.md, L28). The
 //! deepest points of the depth itself are added if clipping has none as deep.
 //!
 //! The tests are in `tests/it/shapes/contacts.rs`.
@@ -198,7 +198,7 @@ const MAX_CONTACT_WIDTH: f64 = 1.0 / (1 << 13) as f64;
 const MIN_WITNESS_EXCESS: f64 = 1.0 / (1 << 20) as f64;
 
 /// Returns a bound on the error of the height of one mean of corners over another, relative to
-/// points of the sets, in the common unit (docs/proof.md, L28).
+/// points of the sets, in the common unit (docs/notes/proof.md, L28).
 fn heights_error(pair: &Pair<'_>) -> f64 {
     2.0 * pair.point_error() + 16.0 * UNIT_ROUNDOFF * pair.extent.iter().sum::<f64>()
 }

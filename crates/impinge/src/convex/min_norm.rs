@@ -16,7 +16,7 @@
 //! k being any member of S, the nearest point is that of the part S for which all Δ_i(S) are above
 //! zero and no Δ_j(S ∪ \{j\}) is. In exact numbers such a part exists.
 //!
-//! The proof is docs/proof.md, L21, and the tests are in `tests/it/shapes/hulls.rs`.
+//! The proof is docs/notes/proof.md, L21, and the tests are in `tests/it/shapes/hulls.rs`.
 
 use super::facet::rounded_direction;
 use super::posed::{Difference, Pair, Posed, Spot};

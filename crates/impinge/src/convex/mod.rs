@@ -13,7 +13,7 @@
 //! - `manifold` computes the points of a contact, from the `facets` of polytopes, the parts
 //!   `facing` along the normal, and their `overlap`.
 //!
-//! The errors are derived in docs/proof.md, L20 to L22, L28 and L29. The tests are in
+//! The errors are derived in docs/notes/proof.md, L20 to L22, L28 and L29. The tests are in
 //! `tests/it/shapes`, and the benchmark is `shapes` in `impinge-bench`.
 
 mod around;

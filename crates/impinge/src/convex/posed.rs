@@ -197,7 +197,7 @@ impl<'a> Pair<'a> {
 
     /// Returns a bound on how much farther along `direction` the set of differences may reach than
     /// the product of the direction with its [`support`](Self::support), in the common unit times
-    /// the direction (docs/proof.md, L20).
+    /// the direction (docs/notes/proof.md, L20).
     pub(super) fn height_error(&self, direction: [f64; 3]) -> f64 {
         let size: f64 = (0..3).map(|k| direction[k].abs() * self.extent[k]).sum();
         let slope: f64 = direction.into_iter().map(f64::abs).sum();

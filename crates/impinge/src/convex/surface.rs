@@ -5,7 +5,7 @@
 //! answer of `distance` for a triangle. So a boolean about a polytope is exact, and if a face is
 //! undecided, the answer may be undecided.
 //!
-//! The proof is docs/proof.md, L31, and the tests are in `tests/it/shapes/surfaces.rs`.
+//! The proof is docs/notes/proof.md, L31, and the tests are in `tests/it/shapes/surfaces.rs`.
 
 use std::cell::Cell;
 use std::ops::ControlFlow::{self, Break, Continue};
@@ -15,7 +15,7 @@ use super::posed::{Core, Pair, Swept, to_unit_length};
 use crate::exact::{Placement, PosedPoint, Spot};
 use crate::math::Pose;
 use crate::math::vec3::{dot, length, sub};
-use crate::mesh::{Containment, FaceSearch, Judge, Mesh};
+use crate::mesh::{Containment, FaceSearch, Mesh, PointClassifier};
 use crate::volume::Proximity;
 
 /// A mesh in the world: its surface, or also the region that it encloses.
@@ -40,16 +40,16 @@ impl<'a> Surface<'a> {
     }
 
     /// Reports whether the mesh and a convex set are within `clearance` of each other, in world
-    /// units. The clearance must be finite and not negative. `Meets` means that they are.
+    /// units. The clearance must be finite and not negative. `Intersects` means that they are.
     pub(crate) fn nearness(&self, shape: &Swept<'_>, clearance: f64) -> Proximity {
         let mut search = Nearness { surface: self, shape, clearance, answer: Proximity::Apart };
         self.search(shape, |beside| Bounded { beside, search: &mut search });
         match search.answer {
-            Proximity::Meets => Proximity::Meets,
+            Proximity::Intersects => Proximity::Intersects,
             answer => match self.containment(shape) {
                 Containment::Outside => answer,
                 Containment::Undecided => Proximity::Undecided,
-                Containment::Inside | Containment::Surface => Proximity::Meets,
+                Containment::Inside | Containment::Surface => Proximity::Intersects,
             },
         }
     }
@@ -71,14 +71,14 @@ impl<'a> Surface<'a> {
         };
         self.search(shape, |beside| Bounded { beside, search: &mut search });
         let mut best = search.best;
-        if best.proximity != Proximity::Meets {
+        if best.proximity != Proximity::Intersects {
             let contained = self.containment(shape);
             if contained.is_contained() {
                 let point = self.inner_point(shape);
                 (best.points, best.lower) = ([point; 2], 0.0);
                 best.proximity =
-                    if contained == Containment::Undecided { Proximity::Undecided } else { Proximity::Meets };
-                best.upper = if best.proximity == Proximity::Meets { 0.0 } else { best.upper };
+                    if contained == Containment::Undecided { Proximity::Undecided } else { Proximity::Intersects };
+                best.upper = if best.proximity == Proximity::Intersects { 0.0 } else { best.upper };
             }
         }
         best
@@ -102,7 +102,7 @@ impl<'a> Surface<'a> {
         }
         let local = shape.core.point();
         let placement = Placement::new(self.pose, shape.pose);
-        Judge::new(self.mesh).containment(&PosedPoint::new(&placement, Spot::At(local)))
+        PointClassifier::new(self.mesh).containment(&PosedPoint::new(&placement, Spot::At(local)))
     }
 
     fn inner_point(&self, shape: &Swept<'_>) -> [f64; 3] {
@@ -230,8 +230,8 @@ impl Search for Nearness<'_, '_> {
     fn visit(&mut self, face: u32) -> ControlFlow<(), Option<[f64; 3]>> {
         let corners = self.surface.mesh.corners(face);
         match nearness(&self.surface.face(&corners), self.shape, self.clearance) {
-            Proximity::Meets => {
-                self.answer = Proximity::Meets;
+            Proximity::Intersects => {
+                self.answer = Proximity::Intersects;
                 return Break(());
             }
             Proximity::Undecided => self.answer = Proximity::Undecided,
@@ -256,13 +256,13 @@ impl Search for Separating<'_, '_> {
 
     fn visit(&mut self, face: u32) -> ControlFlow<(), Option<[f64; 3]>> {
         // No face is nearer than one with a common point. Of several such faces the first counts.
-        if self.best.proximity == Proximity::Meets && face > self.face {
+        if self.best.proximity == Proximity::Intersects && face > self.face {
             return Continue(None);
         }
         let corners = self.surface.mesh.corners(face);
         let found = separation(&self.surface.face(&corners), self.shape);
         let lower = self.best.lower.min(found.lower);
-        let rank = |separation: &Separation| (separation.proximity != Proximity::Meets, separation.upper);
+        let rank = |separation: &Separation| (separation.proximity != Proximity::Intersects, separation.upper);
         let is_better = match rank(&found).partial_cmp(&rank(&self.best)) {
             Some(std::cmp::Ordering::Less) => true,
             Some(std::cmp::Ordering::Equal) => face < self.face,

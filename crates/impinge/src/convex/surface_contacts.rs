@@ -13,7 +13,7 @@
 //! are examined when they are touched.
 //!
 //! The tests are in `tests/it/shapes/surfaces.rs`, among them
-//! `floors_of_triangles_have_one_normal`.
+//! `contacts_on_a_floor_of_triangles_have_one_normal`.
 
 use std::collections::HashMap;
 

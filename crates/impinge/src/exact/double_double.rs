@@ -10,7 +10,7 @@
 //! Mathematik 18, 1971. Ours departs in that every step carries its own bound, so that nothing is
 //! assumed about the operands.
 //!
-//! The proof is docs/proof.md, L8a.
+//! The proof is docs/notes/proof.md, L8a.
 
 use super::points::{MIN_SPLIT_PRODUCT, product_error, two_sum};
 use crate::math::Pose;

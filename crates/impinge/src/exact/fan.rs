@@ -89,7 +89,7 @@ impl<'p> Fan<'p> {
     /// Such directions form open arcs. Counterclockwise, each arc begins at a half plane of one
     /// mesh with the mesh's solid directly after it. There, the other solid is present if and only
     /// if it is directly after the last half plane of the other mesh before this one.
-    pub(crate) fn interiors_meet(&self) -> bool {
+    pub(crate) fn interiors_intersect(&self) -> bool {
         self.half_planes.iter().filter(|start| start.solid_after).any(|start| {
             let others = self.half_planes.iter().filter(|other| other.of_b != start.of_b);
             let last = others.reduce(|best, other| if self.is_nearer_back(start, other, best) { other } else { best });

@@ -15,7 +15,7 @@
 //! Differences of floats do not underflow. Each product may lose 2^-1075, and a dozen of them are
 //! multiplied by `w`. Any overflow makes the error infinite or NaN, and then no sign is certain.
 //!
-//! The proof is docs/proof.md, L5, and the tests are below.
+//! The proof is docs/notes/proof.md, L5, and the tests are below.
 
 use crate::math::Sign;
 use crate::math::relative::{INFLATE, UNDERFLOW, UNIT_ROUNDOFF};

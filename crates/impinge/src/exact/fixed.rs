@@ -2,7 +2,7 @@
 //!
 //! If both poses keep a common grid, the six corners of a pair usually span few enough bits to be
 //! integers below 2^60. Coordinates in single precision between 1e-4 and 1e6 do. A determinant
-//! below 2^187 is then exact in a handful of multiplications. The proof is docs/proof.md, L6.
+//! below 2^187 is then exact in a handful of multiplications. The proof is docs/notes/proof.md, L6.
 
 use super::exact_points::{Corners, ExactPoints};
 use super::placement::Frame;

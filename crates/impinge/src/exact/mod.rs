@@ -14,7 +14,7 @@
 //! - `unbounded`: integers of any size.
 //!
 //! The tests are `tests/it/exact_triangles.rs` and `tests/it/exact_crossing.rs`; the proofs are in
-//! docs/proof.md, L5 to L8.
+//! docs/notes/proof.md, L5 to L8.
 
 mod contact;
 mod corners;
@@ -50,6 +50,6 @@ pub use placement::Placement;
 pub(crate) use placement::world_point;
 pub(crate) use point::{AxisRay, PosedPoint, Spot};
 pub(crate) use points::{Plane, WidePlane, collinear, compare_along, image_down, image_up, orient2d, orient3d};
-pub(crate) use shared::meet_beyond_shared;
+pub(crate) use shared::intersect_beyond_shared;
 pub(crate) use supports::Supports;
 pub use triangles::{Decision, decide_triangles, triangles_intersect};

@@ -1,10 +1,10 @@
 //! Exact decision whether two triangles are within a distance of each other.
 //!
 //! The squared distance of triangles with rational corners is rational, so it compares exactly to
-//! the square of a float (docs/proof.md, L13). Nothing is divided. Triangles without a common point
-//! are nearest at a corner and an edge, at two edges, or at a corner and a face. For each of these
-//! parts, the side of a foot point and the comparison are signs of polynomials in the corners. All
-//! parts are tried, so it does not matter which is nearest.
+//! the square of a float (docs/notes/proof.md, L13). Nothing is divided. Triangles without a common
+//! point are nearest at a corner and an edge, at two edges, or at a corner and a face. For each of
+//! these parts, the side of a foot point and the comparison are signs of polynomials in the
+//! corners. All parts are tried, so it does not matter which is nearest.
 
 use super::exact_points::Corners;
 use super::placement::{Placement, world_point};

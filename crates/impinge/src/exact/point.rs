@@ -5,7 +5,7 @@
 //! The point may belong to another mesh with another pose. Its coordinates in the mesh's frame are
 //! then rational, and are computed only as floats with an error bound. Signs that the bound leaves
 //! undecided are computed exactly in the world frame, where the columns of the mesh's linear part
-//! stand for the axes (Cramer's rule). The proof is docs/proof.md, L16.
+//! stand for the axes (Cramer's rule). The proof is docs/notes/proof.md, L16.
 
 use std::cell::OnceCell;
 use std::cmp::Ordering;

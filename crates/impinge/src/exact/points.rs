@@ -3,7 +3,7 @@
 //! them.
 //!
 //! Each decision starts with a filter in doubles. If the filter is undecided, the integers of the
-//! triangle decisions take over. The proof is docs/proof.md, L10, and the tests are below.
+//! triangle decisions take over. The proof is docs/notes/proof.md, L10, and the tests are below.
 
 use super::corners::PairCorners;
 use super::filter::ROUNDING;

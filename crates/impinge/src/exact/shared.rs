@@ -20,7 +20,7 @@ use crate::math::vec3::sub;
 
 /// Reports whether two faces of one mesh with one pose intersect beyond the hull of their shared
 /// positions. Equal coordinates are one position, and zeros of either sign are equal.
-pub(crate) fn meet_beyond_shared(one_place: &Placement, a: &Corners, b: &Corners) -> bool {
+pub(crate) fn intersect_beyond_shared(one_place: &Placement, a: &Corners, b: &Corners) -> bool {
     debug_assert!(one_place.is_shared(), "both faces are in one frame");
     let mut shared: [Option<[f64; 3]>; 3] = [None; 3];
     let mut count = 0;
@@ -156,8 +156,8 @@ mod tests {
         let mut answers = Vec::new();
         for order in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]] {
             let turned = order.map(|i| a[i]);
-            answers.push(meet_beyond_shared(&place, &turned, &b));
-            answers.push(meet_beyond_shared(&place, &b, &turned));
+            answers.push(intersect_beyond_shared(&place, &turned, &b));
+            answers.push(intersect_beyond_shared(&place, &b, &turned));
         }
         assert!(
             answers.iter().all(|&answer| answer == answers[0]),

@@ -3,8 +3,8 @@
 //! Both planes are perpendicular to one direction, from A to B. All points of A lie behind the
 //! plane of A, and all points of B lie in front of the plane of B. So the sets are at least as far
 //! apart as the planes. The distance of the planes is evaluated in world units, in double-double
-//! numbers with an error bound, so a proof is exact (docs/proof.md, L13a). A gap that exceeds the
-//! distance by less than the bound proves nothing. Two triangles take about 1 microsecond; the
+//! numbers with an error bound, so a proof is exact (docs/notes/proof.md, L13a). A gap that exceeds
+//! the distance by less than the bound proves nothing. Two triangles take about 1 microsecond; the
 //! exact comparison takes about 10.
 //!
 //! Source: the support planes of Gilbert, Johnson, Keerthi, *A fast procedure for computing the

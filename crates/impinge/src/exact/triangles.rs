@@ -20,7 +20,7 @@
 //!    one plane, in which some projection shows whether they are disjoint, or in one line, on which
 //!    the intervals along the axes do.
 //!
-//! The proof is docs/proof.md, L7, and the tests are `tests/it/exact_triangles.rs`.
+//! The proof is docs/notes/proof.md, L7, and the tests are `tests/it/exact_triangles.rs`.
 
 use super::corners::{PairCorners, Tier};
 use super::exact_points::Corners;

@@ -9,8 +9,8 @@ use std::ops::ControlFlow;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
-use super::askew::Askew;
 use super::box_map::BoxMap;
+use super::edge_cross::EdgeCrossAxes;
 use super::lanes::{BoxLanes, overlapping, overlapping_each};
 use super::queue::{QUEUE, Queue};
 use super::slab::Slab;
@@ -25,20 +25,20 @@ use crate::volume::Aabb;
 /// The processing of leaf pairs, which the hierarchy leaves to its caller.
 pub(crate) trait LeafVisitor {
     /// Queues the leaves in `lanes` of a host node against a guest leaf, except those whose boxes
-    /// are apart from its content. At most [`APPROACHED`] calls precede a [`meet`](Self::meet).
+    /// are apart from its content. At most [`APPROACHES_PER_BATCH`] calls precede a [`meet`](Self::meet).
     fn approach<S: Simd>(&mut self, simd: S, guest_leaf: u32, host: &Node, lanes: u32);
 
     /// Processes the leaf pairs that have been queued long enough.
-    fn meet<S: Simd>(&mut self, simd: S) -> ControlFlow<()>;
+    fn process<S: Simd>(&mut self, simd: S) -> ControlFlow<()>;
 
     /// Processes a leaf against all that is below a node of the other tree, which is much smaller.
-    fn meet_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()>;
+    fn process_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()>;
 
     /// Processes all queued leaf pairs.
     fn finish<S: Simd>(&mut self, simd: S) -> ControlFlow<()>;
 
     /// Prefetches the addresses of the data of leaves near a guest leaf and near a host leaf.
-    fn prefetch_places(&self, guest_leaf: u32, host_leaf: u32);
+    fn prefetch_addresses(&self, guest_leaf: u32, host_leaf: u32);
 
     /// Prefetches the data of a guest leaf that will be processed soon.
     fn prefetch_guest(&self, leaf: u32);
@@ -75,7 +75,7 @@ struct Approach {
 }
 
 /// Number of approaches per batch. No approach of a batch depends on the outcome of another.
-pub(crate) const APPROACHED: usize = 4;
+pub(crate) const APPROACHES_PER_BATCH: usize = 4;
 
 /// Minimum number of overlapping pairs, out of 64, for which edge-cross axes are tested. The test
 /// takes less than 10 % of the time to open 32 pairs.
@@ -106,7 +106,7 @@ struct RunState {
     approaches: Queue<Approach, APPROACH_ROOM>,
     queue_len: usize,
     /// `None` until it is first needed.
-    askew: Option<Askew>,
+    edge_cross: Option<EdgeCrossAxes>,
 }
 
 /// The order in which tasks are opened, and the limit on their number.
@@ -135,7 +135,7 @@ pub(crate) struct Descent<'a> {
     /// Maximum factor by which a guest's extent grows in the host's frame.
     pub(crate) stretch: f32,
     /// Builds the edge-cross frames when they are first needed.
-    pub(crate) askew: &'a (dyn Fn() -> Askew + Sync),
+    pub(crate) edge_cross: &'a (dyn Fn() -> EdgeCrossAxes + Sync),
 }
 
 impl Descent<'_> {
@@ -165,7 +165,7 @@ impl Descent<'_> {
                 Order::DepthFirst { ahead, .. } => ahead.min(QUEUE),
                 Order::BreadthFirstUntil(_) => QUEUE,
             },
-            askew: None,
+            edge_cross: None,
         };
         let mut done = 0;
         loop {
@@ -233,7 +233,7 @@ impl Descent<'_> {
             return open_larger(
                 guest,
                 near,
-                |leaf| visitor.meet_below(simd, Large::Guest(leaf), task.host),
+                |leaf| visitor.process_below(simd, Large::Guest(leaf), task.host),
                 |guest| {
                     below.push(Task { guest, ..task });
                 },
@@ -245,7 +245,7 @@ impl Descent<'_> {
             return open_larger(
                 host,
                 near,
-                |leaf| visitor.meet_below(simd, Large::Host(leaf), task.guest),
+                |leaf| visitor.process_below(simd, Large::Host(leaf), task.guest),
                 |host| {
                     below.push(Task { host, ..task });
                 },
@@ -258,10 +258,10 @@ impl Descent<'_> {
             near = self.cull_edge_cross(simd, state, host, guest, near);
         }
         if guest.holds_leaves() && host.holds_leaves() {
-            visitor.prefetch_places(guest.index(0), host.index(0));
+            visitor.prefetch_addresses(guest.index(0), host.index(0));
             queue_approaches(near, guest, task.host, &mut state.approaches);
             while state.approaches.len() >= state.queue_len {
-                self.approach(simd, state.queue_len.min(APPROACHED), state, visitor)?;
+                self.approach(simd, state.queue_len.min(APPROACHES_PER_BATCH), state, visitor)?;
             }
         } else {
             push_children(near, task, [guest, host], below);
@@ -300,11 +300,11 @@ impl Descent<'_> {
     #[cold]
     #[inline(never)]
     fn cull_edge_cross<S: Simd>(&self, simd: S, state: &mut RunState, host: &Node, guest: &Node, near: u64) -> u64 {
-        let askew = state.askew.get_or_insert_with(self.askew);
+        let edge_cross = state.edge_cross.get_or_insert_with(self.edge_cross);
         outlined(
             simd,
             #[inline(always)]
-            || askew.near(simd, host, guest, near),
+            || edge_cross.near(simd, host, guest, near),
         )
     }
 
@@ -326,7 +326,7 @@ impl Descent<'_> {
                 visitor.prefetch_guest(guest_leaf);
             }
         }
-        visitor.meet(simd)
+        visitor.process(simd)
     }
 }
 

@@ -1,5 +1,5 @@
 //! Overlap tests of eight boxes at a time. Guarded by `box_map/tests.rs`; the verdicts are
-//! docs/proof.md, L2.
+//! docs/notes/proof.md, L2.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};

@@ -6,7 +6,6 @@
 
 mod aging;
 mod area;
-mod askew;
 mod binary;
 mod box_map;
 mod boxes;
@@ -18,6 +17,7 @@ mod curve;
 mod descent;
 mod digit_order;
 mod dynamic;
+mod edge_cross;
 mod generic;
 mod lanes;
 mod morton;
@@ -32,15 +32,15 @@ mod tests;
 mod wide;
 
 pub(crate) use aging::{Aged, Origin};
-pub(crate) use askew::Askew;
 pub use binary::{BinaryNode, BinaryTree, LEAF_CAPACITY, MAX_DEPTH, NODE_OF_LEAVES};
 pub(crate) use box_map::BoxMap;
 pub use boxes::Bounds;
 pub(crate) use boxes::Boxes;
-pub use build::{Builder, DynamicTree, optimise};
+pub use build::{Builder, DynamicTree, optimize};
 pub use cost::{Costs, Counters, TreeStatistics};
-pub(crate) use descent::{APPROACHED, Descent, Large, LeafVisitor, Order, Task, lanes_in_use};
+pub(crate) use descent::{APPROACHES_PER_BATCH, Descent, Large, LeafVisitor, Order, Task, lanes_in_use};
 pub(crate) use dynamic::{DynamicBvh, DynamicNode, Stack};
+pub(crate) use edge_cross::EdgeCrossAxes;
 pub use generic::{Enclosure, GenericTree, NodeVolume};
 pub(crate) use lanes::{BoxLanes, HALF_ULP, overlapping, overlapping_pairs};
 pub use morton::build_morton;

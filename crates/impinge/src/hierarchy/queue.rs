@@ -38,7 +38,7 @@ impl<T: Copy, const ROOM: usize> Queue<T, ROOM> {
         self.len += count.min(4);
     }
 
-    /// Returns the item that `before` items precede, or `None` if there are not so many.
+    /// Returns the item that `before` items precede, or `None` if there is no such item.
     #[inline(always)]
     pub(super) fn get(&self, before: usize) -> Option<T> {
         (self.len > before).then(|| self.items[(self.next + before) % ROOM])

@@ -82,7 +82,7 @@ fn summit(hull: &Hull, direction: &[f64; 3], start: u32) -> (u32, bool) {
     let mut budget = positions.len().max(MIN_SCAN_BUDGET);
     let (mut at, mut height) = (start, value(start));
     loop {
-        let neighbors = hull.neighbours(at);
+        let neighbors = hull.neighbors(at);
         let Some(left) = budget.checked_sub(neighbors.len()) else {
             return (hull.extremes().along(positions, direction), false);
         };
@@ -125,7 +125,7 @@ fn least_of_ties(hull: &Hull, direction: &[f64; 3], farthest: u32) -> u32 {
     let mut is_known = HashSet::from([farthest]);
     while let Some(&tie) = ties.get(next) {
         next += 1;
-        ties.extend(hull.neighbours(tie).iter().filter(|&&other| is_tied(other) && is_known.insert(other)));
+        ties.extend(hull.neighbors(tie).iter().filter(|&&other| is_tied(other) && is_known.insert(other)));
     }
     ties.into_iter().min().unwrap_or(farthest)
 }

@@ -315,7 +315,7 @@ mod tests {
     }
 
     fn kept(points: &[[f64; 3]]) -> Vec<u32> {
-        let bounds = crate::hull::judge(points).expect("legal");
+        let bounds = crate::hull::validate_points(points).expect("legal");
         may_be_on_hull(points, bounds).into_iter().map(|(_, number)| number).collect()
     }
 
@@ -335,7 +335,10 @@ mod tests {
             assert!(kept.iter().map(radius).fold(1.0, f64::min) > least_radius);
             let on_sphere: Vec<[f64; 3]> =
                 inside.iter().map(|p| p.map(|x| x / p.iter().map(|x| x * x).sum::<f64>().sqrt())).collect();
-            assert_eq!(may_be_on_hull(&on_sphere, crate::hull::judge(&on_sphere).expect("legal")).len(), count);
+            assert_eq!(
+                may_be_on_hull(&on_sphere, crate::hull::validate_points(&on_sphere).expect("legal")).len(),
+                count
+            );
         }
     }
 

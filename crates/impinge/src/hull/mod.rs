@@ -4,8 +4,8 @@
 //! Every decision is exact, so a hull exists for every set of points: flat, straight, cospherical
 //! or all in one place.
 //!
-//! The proof is docs/proof.md, L10. The tests are in `tests/it/hull`, and the benchmark is `hulls`
-//! in `impinge-bench`.
+//! The proof is docs/notes/proof.md, L10. The tests are in `tests/it/hull`, and the benchmark is
+//! `hulls` in `impinge-bench`.
 
 mod build;
 mod climb;
@@ -42,14 +42,11 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 /// ```
 /// use impinge::hull::{Hull, HullKind};
 ///
-/// // The corners of a cube, and points in a face, in an edge and inside.
-/// let mut points: Vec<[f64; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
-/// points.extend([[0.5, 0.5, 1.0], [0.5, 1.0, 1.0], [0.5, 0.5, 0.5]]);
-/// let hull = Hull::new(&points)?;
-/// assert_eq!(hull.kind(), HullKind::Solid);
-/// assert_eq!(hull.vertices(), [0, 1, 2, 3, 4, 5, 6, 7]);
-/// assert_eq!(hull.faces().len(), 12);
-/// assert_eq!(hull.neighbours(0), [1, 2, 4]);
+/// // The corners of a cube, and points in a face, in an edge and inside. let mut points: Vec<[f64;
+/// 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect(); points.extend([[0.5,
+/// 0.5, 1.0], [0.5, 1.0, 1.0], [0.5, 0.5, 0.5]]); let hull = Hull::new(&points)?;
+/// assert_eq!(hull.kind(), HullKind::Solid); assert_eq!(hull.vertices(), [0, 1, 2, 3, 4, 5, 6, 7]);
+/// assert_eq!(hull.faces().len(), 12); assert_eq!(hull.neighbors(0), [1, 2, 4]);
 /// assert_eq!(hull.support([1.0, 2.0, 3.0]), 7);
 /// # Ok::<(), impinge::InputError>(())
 /// ```
@@ -62,8 +59,8 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 ///
 /// # Complexity
 /// Expected O(n log n) for points in general position, in any order. There is no proof for many
-/// points in one plane; docs/realigning.md has measurements of lattices and prisms. No input takes
-/// more than O(n² log n).
+/// points in one plane; docs/notes/realigning.md has measurements of lattices and prisms. No input
+/// takes more than O(n² log n).
 ///
 /// # Source
 /// See `build` for the insertion, `order` for its order, `cull` for the points culled before it,
@@ -76,7 +73,7 @@ pub struct Hull {
     faces: Vec<[u32; 3]>,
     /// The neighbors of vertex `i` are the entries from `first[i]` to `first[i + 1]`.
     first: Vec<u32>,
-    neighbours: Vec<u32>,
+    neighbors: Vec<u32>,
     extremes: Extremes,
     /// The greatest magnitude of a coordinate on each axis.
     reach: [f64; 3],
@@ -105,7 +102,7 @@ impl Hull {
     ///   magnitude;
     /// - [`TooMany`](InputErrorKind::TooMany) if there are 2^32 - 1 points or more.
     pub fn new<T: Copy + Into<f64> + Sync>(points: &[[T; 3]]) -> Result<Self, InputError> {
-        let bounds = judge(points)?;
+        let bounds = validate_points(points)?;
         let kept = cull::may_be_on_hull(points, bounds);
         let order = order::insertion_order(&kept);
         let positions: Vec<[f64; 3]> = order.iter().map(|&at| kept[at as usize].0).collect();
@@ -165,9 +162,9 @@ impl Hull {
     /// If the hull has no such vertex.
     #[inline]
     #[must_use]
-    pub fn neighbours(&self, vertex: u32) -> &[u32] {
+    pub fn neighbors(&self, vertex: u32) -> &[u32] {
         let at = vertex as usize;
-        &self.neighbours[self.first[at] as usize..self.first[at + 1] as usize]
+        &self.neighbors[self.first[at] as usize..self.first[at + 1] as usize]
     }
 
     /// Reports whether a point is inside the hull or on its boundary. Returns `false` if the point
@@ -229,7 +226,7 @@ impl Hull {
             + size_of_val(&self.positions[..])
             + size_of_val(&self.faces[..])
             + size_of_val(&self.first[..])
-            + size_of_val(&self.neighbours[..])
+            + size_of_val(&self.neighbors[..])
             + self.extremes.memory()
     }
 
@@ -246,9 +243,9 @@ impl Hull {
     fn of_few(kind: HullKind, ends: &[(u32, [f64; 3])]) -> Self {
         let vertices = ends.iter().map(|end| end.0).collect();
         let positions: Vec<[f64; 3]> = ends.iter().map(|end| end.1).collect();
-        let (first, neighbours) = if ends.len() == 2 { (vec![0, 1, 2], vec![1, 0]) } else { (vec![0, 0], Vec::new()) };
+        let (first, neighbors) = if ends.len() == 2 { (vec![0, 1, 2], vec![1, 0]) } else { (vec![0, 0], Vec::new()) };
         let (extremes, reach) = (Extremes::new(&positions), reach(&positions));
-        Self { kind, vertices, positions, faces: Vec::new(), first, neighbours, extremes, reach }
+        Self { kind, vertices, positions, faces: Vec::new(), first, neighbors, extremes, reach }
     }
 
     /// Builds the hull from facets. The facets name positions in the order of insertion; the
@@ -295,7 +292,7 @@ impl Hull {
             vertices: corners.iter().map(|corner| corner.0).collect(),
             faces,
             first,
-            neighbours: edges.iter().map(|edge| edge[1]).collect(),
+            neighbors: edges.iter().map(|edge| edge[1]).collect(),
             extremes: Extremes::new(&hull_positions),
             reach: reach(&hull_positions),
             positions: hull_positions,
@@ -333,7 +330,7 @@ fn usable(direction: [f64; 3]) -> [f64; 3] {
 ///
 /// # Errors
 /// The errors of [`Hull::new`].
-pub(crate) fn judge<T: Copy + Into<f64> + Sync>(points: &[[T; 3]]) -> Result<[[f64; 3]; 2], InputError> {
+pub(crate) fn validate_points<T: Copy + Into<f64> + Sync>(points: &[[T; 3]]) -> Result<[[f64; 3]; 2], InputError> {
     const CHUNK: usize = 1 << 14;
     if points.is_empty() {
         return Err(InputError::new(InputErrorKind::Empty { what: "points" }));

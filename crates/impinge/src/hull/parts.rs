@@ -11,17 +11,17 @@ pub(crate) struct HullParts<'a> {
     pub(crate) vertices: &'a [u32],
     /// Faces, as in [`Hull::faces`].
     pub(crate) faces: &'a [[u32; 3]],
-    /// Start of each vertex's neighbors in `neighbours`, with one more entry for the end.
+    /// Start of each vertex's neighbors in `neighbors`, with one more entry for the end.
     pub(crate) first: &'a [u32],
     /// The neighbors of all vertices, one list after the other.
-    pub(crate) neighbours: &'a [u32],
+    pub(crate) neighbors: &'a [u32],
 }
 
 impl Hull {
     /// Returns the arrays that the hull consists of.
     pub(crate) fn parts(&self) -> HullParts<'_> {
-        let Self { kind, vertices, faces, first, neighbours, .. } = self;
-        HullParts { kind: *kind, vertices, faces, first, neighbours }
+        let Self { kind, vertices, faces, first, neighbors, .. } = self;
+        HullParts { kind: *kind, vertices, faces, first, neighbors }
     }
 
     /// Builds a hull from these arrays without a proof that they are a hull. Checks only what would
@@ -32,7 +32,7 @@ impl Hull {
     /// # Complexity
     /// Linear in the arrays.
     pub(crate) fn from_parts(parts: &HullParts<'_>, position: impl Fn(u32) -> Option<[f64; 3]>) -> Option<Self> {
-        let HullParts { kind, vertices, faces, first, neighbours } = *parts;
+        let HullParts { kind, vertices, faces, first, neighbors } = *parts;
         let count = vertices.len();
         let is_counted = match kind {
             HullKind::Point => count == 1 && faces.is_empty(),
@@ -45,10 +45,10 @@ impl Hull {
             && faces.len() <= (u32::MAX / 3) as usize // places of corners are numbered in the proof
             && vertices.is_sorted_by(|x, y| x < y)
             && faces.as_flattened().iter().all(is_within)
-            && neighbours.iter().all(is_within)
+            && neighbors.iter().all(is_within)
             && first.len() == count + 1
             && first[0] == 0
-            && first[count] as usize == neighbours.len()
+            && first[count] as usize == neighbors.len()
             && first.is_sorted();
         if !is_sound {
             return None;
@@ -59,7 +59,7 @@ impl Hull {
             vertices: vertices.to_vec(),
             faces: faces.to_vec(),
             first: first.to_vec(),
-            neighbours: neighbours.to_vec(),
+            neighbors: neighbors.to_vec(),
             extremes: Extremes::new(&positions),
             reach: reach(&positions),
             positions,

@@ -18,8 +18,8 @@
 //! compared.
 //!
 //! # Accuracy
-//! Every decision is exact (docs/proof.md, L27a). The tests are in `tests/it/hull/told_hulls.rs`
-//! and `proxies.rs`.
+//! Every decision is exact (docs/notes/proof.md, L27a). The tests are in
+//! `tests/it/hull/stored_hulls.rs` and `proxies.rs`.
 
 use rayon::prelude::*;
 
@@ -66,7 +66,7 @@ impl Hull {
                 && self.positions == anew.positions
                 && self.faces == anew.faces
                 && self.first == anew.first
-                && self.neighbours == anew.neighbours
+                && self.neighbors == anew.neighbors
         })
     }
 }
@@ -130,7 +130,7 @@ impl<'h> Inside<'h> {
         let mut edges: Vec<[u32; 2]> = ends.collect();
         edges.par_sort_unstable();
         let given = (0..self.hull.positions.len() as u32)
-            .flat_map(|from| self.hull.neighbours(from).iter().map(move |&to| [from, to]));
+            .flat_map(|from| self.hull.neighbors(from).iter().map(move |&to| [from, to]));
         edges.iter().copied().eq(given) && self.hull.first.windows(2).all(|ends| ends[1] - ends[0] >= 3)
     }
 

@@ -37,7 +37,7 @@ pub use lifecycle::repair::{Repair, RepairOptions};
 pub use options::Interrupt;
 #[doc(hidden)]
 pub use options::{HostChoice, Options};
-pub(crate) use pairs::descent::{any_hit, collect_intersecting, faces_meet, first_hit};
+pub(crate) use pairs::descent::{any_hit, collect_intersecting, faces_intersect, first_hit};
 pub(crate) use pairs::self_descent::{WantedFaces, collect_self_intersecting};
 pub use placed::{PlacedMesh, SolidMesh};
 pub(crate) use points::face_search::FaceSearch;
@@ -46,7 +46,7 @@ pub use points::rays::{Ray, RayHit};
 pub use report::health::Health;
 pub use solid::bsp::SolidBsp;
 pub(crate) use solid::walls::{Wall, Walls};
-pub(crate) use solid::winding::Judge;
+pub(crate) use solid::winding::PointClassifier;
 pub use solid::winding::{Containment, WindingNumber};
 pub use storage::positions::Positions;
 pub use triangle_mesh::Mesh;

@@ -133,7 +133,9 @@ impl Mesh {
     /// Returns the moments of the faces below each node, computed at the first call.
     pub(crate) fn far_field(&self) -> &FarField {
         let data = &*self.0;
-        data.derived.far_field.get_or_init(|| FarField::of(&data.tree, &data.leaves, &data.frame, |face| self.corners(face)))
+        data.derived
+            .far_field
+            .get_or_init(|| FarField::of(&data.tree, &data.leaves, &data.frame, |face| self.corners(face)))
     }
 
     /// Returns the number of bytes of the mesh, its hierarchy and its packets. A packet is made
@@ -160,18 +162,6 @@ impl Data {
         let (cost, costs_as_built, derived) = Default::default();
         let (stamp, packet_cache) = (Stamp::new(), PacketCache::new(leaves.len()));
         let half_extents = frame.half_extents(&tree);
-        Self {
-            stamp,
-            vertices,
-            faces,
-            frame,
-            half_extents,
-            tree,
-            leaves,
-            packet_cache,
-            cost,
-            costs_as_built,
-            derived,
-        }
+        Self { stamp, vertices, faces, frame, half_extents, tree, leaves, packet_cache, cost, costs_as_built, derived }
     }
 }

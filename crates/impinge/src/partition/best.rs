@@ -1,6 +1,6 @@
 //! The boxes nearest to a point, and their distances.
 
-use super::neighbour::Neighbour;
+use super::neighbor::Neighbor;
 use crate::volume::MinMax;
 
 /// Largest magnitude of a coordinate of a valid box: 2^320.
@@ -29,7 +29,7 @@ pub(super) struct Best {
 }
 
 #[derive(Debug)]
-struct Ordered(Neighbour);
+struct Ordered(Neighbor);
 
 impl Ord for Ordered {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
@@ -71,7 +71,7 @@ impl Best {
         if self.count == 0 || distance_squared > self.limit() {
             return;
         }
-        self.heap.push(Ordered(Neighbour { key, distance_squared }));
+        self.heap.push(Ordered(Neighbor { key, distance_squared }));
         if self.heap.len() > self.count {
             self.heap.pop();
         }
@@ -85,7 +85,7 @@ impl Best {
         }
     }
 
-    pub(super) fn into_sorted(self) -> Vec<Neighbour> {
+    pub(super) fn into_sorted(self) -> Vec<Neighbor> {
         self.heap.into_sorted_vec().into_iter().map(|found| found.0).collect()
     }
 }

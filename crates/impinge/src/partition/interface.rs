@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use super::best::{Best, LIMIT, distance_squared, in_range};
 use super::changes::{Changes, Move};
 use super::items::Holds;
-use super::neighbour::Neighbour;
+use super::neighbor::Neighbor;
 use super::ray::Ray;
 use crate::volume::{BoundingVolume, MinMax};
 
@@ -110,7 +110,7 @@ pub trait Partition: Holds {
     /// # Source
     /// Ours, for partitions that have no faster way: a search in cubes that double in size. The
     /// first cube holds about one box.
-    fn nearest(&self, point: [f64; 3], count: usize) -> Vec<Neighbour> {
+    fn nearest(&self, point: [f64; 3], count: usize) -> Vec<Neighbor> {
         nearest_in_cubes(self, point, count)
     }
 
@@ -224,7 +224,7 @@ fn spacing(bounds: &MinMax, len: usize) -> f64 {
 
 /// Returns the nearest boxes, by searching cubes around the point that double in size until they
 /// hold enough boxes.
-fn nearest_in_cubes<P: Partition + ?Sized>(partition: &P, point: [f64; 3], count: usize) -> Vec<Neighbour> {
+fn nearest_in_cubes<P: Partition + ?Sized>(partition: &P, point: [f64; 3], count: usize) -> Vec<Neighbor> {
     let Some(bounds) = partition.bounds().filter(|_| in_range(&point) && count > 0) else { return Vec::new() };
     let mut radius = distance_squared(&point, &bounds).sqrt() + spacing(&bounds, partition.len());
     loop {

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 use super::best::{Best, distance_squared, in_range};
 use super::plane_tree::{PlaneNode, PlaneTree, Split};
-use super::{Cells, Held, Holds, Items, Neighbour, Partition, Visitor, Work};
+use super::{Cells, Held, Holds, Items, Neighbor, Partition, Visitor, Work};
 use crate::math::vec3::dot;
 use crate::volume::{BoundingVolume, MinMax};
 
@@ -110,8 +110,8 @@ impl Partition for KdTree {
         Cells::Disjoint
     }
 
-    /// A box that is in several cells is visited once: in the cell that contains the minimum corner
-    /// of its intersection with the query box.
+    /// Visits a box that is in several cells only once: in the cell that contains the minimum
+    /// corner of its intersection with the query box.
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
         const ALL: [[f64; 3]; 2] = [[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]];
         let (min, max) = (bounds.min(), bounds.max());
@@ -149,7 +149,7 @@ impl Partition for KdTree {
     /// Descends to the near side of each plane first, and to the far side only if it is not too
     /// far. The squared distance to a cell is the sum of squares of the distances to its planes
     /// along each axis (Arya, Mount, *Algorithms for fast vector quantization*, 1993).
-    fn nearest(&self, point: [f64; 3], count: usize) -> Vec<Neighbour> {
+    fn nearest(&self, point: [f64; 3], count: usize) -> Vec<Neighbor> {
         let mut best = Best::new(count);
         let Some(root) = self.0.root().filter(|_| in_range(&point) && count > 0) else { return Vec::new() };
         let mut stack = Vec::with_capacity(MAX_DEPTH);

@@ -31,8 +31,8 @@ impl Ray {
     /// [`NonFinite`](InputErrorKind::NonFinite) if the `"ray reach"` is NaN, and
     /// [`Negative`](InputErrorKind::Negative) if it is below zero.
     pub fn new(origin: [f64; 3], direction: [f64; 3], reach: f64) -> Result<Self, InputError> {
-        InputError::judge_row(&origin, "ray origin", 0)?;
-        InputError::judge_row(&direction, "ray direction", 0)?;
+        InputError::validate_row(&origin, "ray origin", 0)?;
+        InputError::validate_row(&direction, "ray direction", 0)?;
         if direction.iter().all(|d| d.abs() < MIN_DIRECTION) {
             return Err(InputError::new(InputErrorKind::ZeroDirection { index: 0 }));
         }

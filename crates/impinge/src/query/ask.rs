@@ -1,12 +1,15 @@
-//! How a verb is asked: with a cache, and until it is interrupted.
+//! Options of a query: a cache, an interrupt, and which contacts to find.
 
 use super::{Cache, ContactOptions};
 use crate::mesh::{Interrupt, Options};
 
-/// How a verb is asked.
+/// A query with options.
 ///
-/// Ordinary use needs none: `query::intersects(a, b)` is `Query::new().intersects(a, b)`, and so are `proximity`, `within`, `nearness`,
-/// `distance`, `contacts` and `intersecting_pairs`. A query adds what earlier answers tell ([`with_cache`](Self::with_cache)) and what may end a long search ([`with_interrupt`](Self::with_interrupt)).
+/// Most callers do not need it: `query::intersects(a, b)` is `Query::new().intersects(a, b)`. The
+/// same holds for `proximity`, `within`, `nearness`, `distance`, `contacts`, `intersecting_pairs`
+/// and `intersecting_pairs_up_to`. A query can use a cache ([`with_cache`](Self::with_cache)), end
+/// early ([`with_interrupt`](Self::with_interrupt)) and limit contacts
+/// ([`with_contacts`](Self::with_contacts)).
 ///
 /// ```
 /// use impinge::query::{self, Cache, Query};
@@ -28,34 +31,39 @@ pub struct Query<'q> {
 }
 
 impl<'q> Query<'q> {
-    /// Returns a query without a cache that nothing interrupts.
+    /// Returns a query without a cache, which nothing interrupts.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Uses a cache, and leaves in it what the answer tells.
+    /// Returns this query with a cache. The query starts from the state in the cache and updates
+    /// it. No answer depends on it, with one exception that [`Cache`] describes.
     #[must_use]
     pub fn with_cache(self, cache: &'q mut Cache) -> Self {
         Self { cache: Some(cache), ..self }
     }
 
-    /// Ends the verb early if the interrupt asks for it. The answer is then the safe one, which the caller has to discard
-    /// ([`Interrupt`]). Interrupted are `intersects`, `proximity`, `within`, `nearness`, `distance`, `intersecting_pairs` and
-    /// `intersecting_pairs_up_to` while they search the faces of two meshes. Other work goes on to its end: that on shapes and
-    /// compounds, and on what lies inside a solid.
+    /// Returns this query with an interrupt, a function that can end the query early. The query
+    /// then returns the safe answer of [`Interrupt`], which the caller must discard.
+    ///
+    /// The interrupt is checked while `intersects`, `proximity`, `within`, `nearness`, `distance`,
+    /// `intersecting_pairs` and `intersecting_pairs_up_to` search the faces of two meshes. All
+    /// other work runs to its end: queries about shapes and compounds, and checks whether one thing
+    /// is inside a solid.
     #[must_use]
     pub fn with_interrupt(self, interrupt: Interrupt<'q>) -> Self {
         Self { options: Options { interrupt, ..self.options }, ..self }
     }
 
-    /// Asks [`contacts`](Self::contacts) for what the options say.
+    /// Returns this query with options for [`contacts`](Self::contacts). Other queries ignore them.
     #[must_use]
     pub fn with_contacts(self, contacts: ContactOptions) -> Self {
         Self { contacts, ..self }
     }
 
-    /// Uses a stated vector unit and frame, for tests and measurements. No answer depends on them.
+    /// Returns this query with a given vector unit and frame, for tests and measurements. No answer
+    /// depends on them.
     #[doc(hidden)]
     #[must_use]
     pub fn with_options(self, options: Options<'q>) -> Self {

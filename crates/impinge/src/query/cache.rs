@@ -1,19 +1,24 @@
-//! What earlier answers about two things tell the next one.
+//! State that a query keeps for the next query about the same two things.
 
 use super::last_hit::LastHit;
 use crate::convex::Coherence;
 use crate::mesh::WarmStart;
 
-/// What was learnt from earlier questions about two things; the caller keeps one for each two.
+/// State that a query keeps for the next query about the same two things.
 ///
-/// Any verb of [`Query`](super::Query) may use it. It makes the next answer faster if the things moved little in between. It
-/// changes no answer, with one exception: if millions of pairs of faces are equally near, [`distance`](super::distance()) may return
-/// another of the proved intervals. A cache that is used for other things, or after a refit, does no harm.
+/// Keep one cache for each pair of things, and pass it to every query of [`Query`](super::Query).
+/// The next answer is found faster if the things moved little in between.
 ///
-/// Of two meshes it keeps the faces that met last and those that were nearest. If a search for the distance takes milliseconds,
-/// as it does if many places are about as near as the nearest, and the meshes move by less than a sixteenth of their distance from
-/// one question to the next, it also keeps where the search ended. That takes some megabytes, 17 at most, and the next search takes
-/// about a thirtieth of the time. Of two convex shapes it keeps a direction along which they were apart.
+/// A cache changes no answer, with one exception: if millions of pairs of faces are equally near,
+/// [`distance`](super::distance()) may return another proved interval. A cache that belongs to
+/// other things, or to a mesh before it was refitted, makes no answer wrong.
+///
+/// For two meshes it holds the pair of faces that intersected last and the pair that was nearest.
+/// It also holds the frontier of a distance search if two conditions hold: the search takes
+/// milliseconds, because many places are about as near as the nearest, and the meshes move by less
+/// than 1/16 of their distance between queries. The frontier takes a few megabytes, 17 at most, and
+/// makes the next search about 30 times faster. For two convex shapes the cache holds a direction
+/// along which they were apart.
 ///
 /// ```
 /// use impinge::query::{Cache, Query};

@@ -1,13 +1,14 @@
-//! Which contacts are wanted.
+//! Options of a contact query.
 
-/// Which contacts are wanted.
+/// Options of a contact query ([`Query::with_contacts`](super::Query::with_contacts)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactOptions {
-    /// Points that are at most this far apart are contacts too, in world units. Zero, the default, asks for those that touch; so
-    /// do negative numbers and NaN.
+    /// Maximum gap between two points that count as a contact, in world units. Zero, the default,
+    /// finds only contacts of things that touch or overlap. Negative numbers and NaN count as zero.
     pub margin: f64,
-    /// How many points a manifold may have, at least one: the deepest, the farthest from it, and then each time the one that
-    /// adds the most area. Four, the default, hold a face as firmly as more do.
+    /// Maximum number of points of a manifold; zero counts as one. The deepest point is kept first,
+    /// then the point farthest from it, then each time the point that adds the most area. Four
+    /// points, the default, hold a face as firmly as more points do.
     pub most_points: usize,
 }
 

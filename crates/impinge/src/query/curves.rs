@@ -1,8 +1,11 @@
-//! Intersection curves: what pairs of triangles have in common, linked into polylines.
+//! Intersection curves of two surfaces: the intersections of pairs of triangles, linked into
+//! polylines.
 //!
-//! Each end of a piece lies on one corner, edge or face of either mesh, decided exactly; pieces are linked where these
-//! names agree and never by comparing coordinates. Where two closed meshes meet in general position every end is shared
-//! by two pieces, so that every curve closes.
+//! Each end of a piece lies on one corner, edge or face of each mesh, which is decided exactly.
+//! Pieces are linked if these names agree; coordinates are never compared. If two closed meshes
+//! intersect in general position, every end is shared by two pieces, so that every curve is closed.
+//!
+//! Tests: `tests/it/engine/curves.rs`, `tests/it/solids/patches.rs`.
 
 use std::collections::{HashMap, HashSet};
 
@@ -12,26 +15,28 @@ use crate::exact::{Corners, Crossing, Feature, Joint, Placement, joints};
 use crate::mesh::{DisjointSets, Mesh, PlacedMesh};
 use crate::query::intersecting_pairs;
 
-/// Where two surfaces meet.
+/// Intersection curves of two surfaces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curves {
-    /// Polylines in the world frame and unit; closed where the last point repeats the first. They end where a mesh has
-    /// a border, and where more than two pieces come together.
+    /// Polylines in the world frame. A polyline is closed if its last point repeats the first. An
+    /// open polyline ends at the border of a mesh, or at a point where more than two pieces come
+    /// together.
     pub polylines: Vec<Vec<[f64; 3]>>,
-    /// Points at which the surfaces touch without a curve.
+    /// Points at which the surfaces touch without a curve, in the world frame.
     pub points: Vec<[f64; 3]>,
-    /// Pairs of faces that meet within one plane: no curve of their own, but their neighbours' curves run along them.
+    /// Number of pairs of faces that intersect within one plane. They have no curve of their own,
+    /// but the curves of their neighbors run along them.
     pub coplanar_pairs: usize,
 }
 
 impl Curves {
-    /// How many polylines are closed.
+    /// Returns the number of closed polylines.
     #[must_use]
     pub fn closed(&self) -> usize {
         self.polylines.iter().filter(|line| line.first() == line.last()).count()
     }
 
-    /// The length of all polylines, in world units, rounded.
+    /// Returns the total length of all polylines, in world units, rounded.
     #[must_use]
     pub fn length(&self) -> f64 {
         let length = |line: &Vec<[f64; 3]>| -> f64 { line.windows(2).map(|ends| distance(ends[0], ends[1])).sum() };
@@ -43,13 +48,17 @@ fn distance(from: [f64; 3], to: [f64; 3]) -> f64 {
     (0..3).map(|axis| (to[axis] - from[axis]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The curves in which the surfaces of two meshes meet.
+/// Computes the curves in which the surfaces of two meshes intersect, in the world frame.
+///
+/// The function never fails. Without an intersection there are no curves and no points. A solid
+/// counts as its surface here.
 ///
 /// # Accuracy
-/// Which pieces there are and how they link up is exact; a point is the exact one, each coordinate rounded to nearest.
+/// The pieces and their links are exact. Each coordinate of a point is the exact one, rounded to
+/// nearest.
 ///
 /// # Complexity
-/// That of [`intersecting_pairs`], and O(k log k) for k pairs.
+/// The time of [`intersecting_pairs`], and O(k log k) for k pairs.
 ///
 /// ```
 /// use impinge::{Mesh, Positions, query};
@@ -69,10 +78,11 @@ pub fn intersection_curves<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<Pl
     curves_of_pairs(a, b, &intersecting_pairs(a, b))
 }
 
-/// [`intersection_curves`], for pairs that were computed before: what [`intersecting_pairs`] returned, or some of it.
+/// Computes [`intersection_curves`] from pairs of faces that [`intersecting_pairs`] returned
+/// earlier, or from some of them.
 ///
 /// # Panics
-/// Where a pair names a face that a mesh does not have.
+/// If a face index of a pair is out of range.
 #[must_use]
 pub fn curves_of_pairs<'a, 'b>(
     a: impl Into<PlacedMesh<'a>>,
@@ -80,43 +90,45 @@ pub fn curves_of_pairs<'a, 'b>(
     pairs: &[[u32; 2]],
 ) -> Curves {
     let placed = [a.into(), b.into()];
-    Linked::new(placed, &met(placed, pairs)).curves()
+    Linked::new(placed, &crossings(placed, pairs)).curves()
 }
 
-/// A pair of faces that meet, and in what.
+/// Pair of faces with its intersection.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Met {
+pub(super) struct PairCrossing {
     pub(super) pair: [u32; 2],
     pub(super) crossing: Crossing<Joint>,
 }
 
-/// Pairs of faces below which threads cost more than they save.
-const FEW: usize = 64;
+/// Minimum number of pairs that a thread takes at a time. With fewer pairs, threads cost more than
+/// they save.
+const MIN_PAIRS_PER_TASK: usize = 64;
 
-/// In what these pairs of faces meet.
-pub(super) fn met(placed: [PlacedMesh<'_>; 2], pairs: &[[u32; 2]]) -> Vec<Met> {
+/// Computes the intersection of each pair of faces.
+pub(super) fn crossings(placed: [PlacedMesh<'_>; 2], pairs: &[[u32; 2]]) -> Vec<PairCrossing> {
     let placement = Placement::new(&placed[0].world_from_mesh, &placed[1].world_from_mesh);
-    let meet = |&pair: &[u32; 2]| {
+    let of_pair = |&pair: &[u32; 2]| {
         let [a, b] = corners(placed, pair);
-        Met { pair, crossing: joints(&placement, &a, &b) }
+        PairCrossing { pair, crossing: joints(&placement, &a, &b) }
     };
-    pairs.par_iter().with_min_len(FEW).map(meet).collect()
+    pairs.par_iter().with_min_len(MIN_PAIRS_PER_TASK).map(of_pair).collect()
 }
 
 fn corners(placed: [PlacedMesh<'_>; 2], pair: [u32; 2]) -> [Corners; 2] {
     [0, 1].map(|side| placed[side].mesh.corners(pair[side]))
 }
 
-/// The pieces of some pairs of faces, whose ends are one where they have the same name.
+/// Pieces of the intersection of some pairs of faces. Ends with equal names are one point.
 pub(super) struct Linked {
-    /// The ends, in the world frame.
+    /// Ends of all pieces, in the world frame.
     pub(super) points: Vec<[f64; 3]>,
-    /// In what each pair meets, with the numbers of its ends.
+    /// Intersection of each pair of faces, with indices into `points` as its ends.
     pub(super) pieces: Vec<Crossing<usize>>,
 }
 
 impl Linked {
-    pub(super) fn new(placed: [PlacedMesh<'_>; 2], met: &[Met]) -> Self {
+    /// Links the intersections of pairs of faces.
+    pub(super) fn new(placed: [PlacedMesh<'_>; 2], crossings: &[PairCrossing]) -> Self {
         let mut names = placed.map(|placed| Names::new(placed.mesh));
         let mut numbers = HashMap::new();
         let mut ends = Vec::new();
@@ -126,35 +138,35 @@ impl Linked {
                 ends.len() - 1
             })
         };
-        let mut pieces: Vec<Crossing<usize>> = met
+        let mut pieces: Vec<Crossing<usize>> = crossings
             .iter()
-            .map(|met| {
-                met.crossing.map(|joint| {
+            .map(|found| {
+                found.crossing.map(|joint| {
                     let on = [joint.on_a, joint.on_b];
-                    let name = [0, 1].map(|side| names[side].name(met.pair[side], &ALL_CORNERS, on[side]));
-                    number(name, met.pair, joint)
+                    let name = [0, 1].map(|side| names[side].name(found.pair[side], &ALL_CORNERS, on[side]));
+                    number(name, found.pair, joint)
                 })
             })
             .collect();
         let placement = Placement::new(&placed[0].world_from_mesh, &placed[1].world_from_mesh);
-        // The edges of a face without area overlap. A point on it lies on two or three of them, and each gives it
-        // another name.
+        // The edges of a face without area overlap. A point on the face lies on two or three of its
+        // edges, and each of them gives the point another name.
         let mut same = Vec::new();
-        for (met, piece) in met.iter().zip(&pieces) {
+        for (found, piece) in crossings.iter().zip(&pieces) {
             let &Crossing::Point(end) = piece else { continue };
-            let flat = [0, 1].map(|side| placed[side].mesh.is_degenerate(met.pair[side]));
+            let flat = [0, 1].map(|side| placed[side].mesh.is_degenerate(found.pair[side]));
             if flat == [false; 2] {
                 continue;
             }
-            let whole = corners(placed, met.pair);
+            let whole = corners(placed, found.pair);
             for at_a in edges_of(flat[0]) {
                 for at_b in edges_of(flat[1]) {
                     let at = [at_a, at_b];
                     let [a, b] = [0, 1].map(|side| at[side].map(|corner| whole[side][usize::from(corner)]));
                     if let Crossing::Point(joint) = joints(&placement, &a, &b) {
                         let on = [joint.on_a, joint.on_b];
-                        let name = [0, 1].map(|side| names[side].name(met.pair[side], &at[side], on[side]));
-                        same.push([end, number(name, met.pair, joint)]);
+                        let name = [0, 1].map(|side| names[side].name(found.pair[side], &at[side], on[side]));
+                        same.push([end, number(name, found.pair, joint)]);
                     }
                 }
             }
@@ -166,11 +178,12 @@ impl Linked {
             let [a, b] = corners(placed, pair);
             joint.point(&placement, &a, &b)
         };
-        Self { points: ends.par_iter().with_min_len(FEW).map(point).collect(), pieces }
+        Self { points: ends.par_iter().with_min_len(MIN_PAIRS_PER_TASK).map(point).collect(), pieces }
     }
 
+    /// Returns the curves that the pieces make.
     pub(super) fn curves(&self) -> Curves {
-        let mut graph = Graph { points: &self.points, neighbours: vec![Vec::new(); self.points.len()] };
+        let mut graph = Graph { points: &self.points, neighbors: vec![Vec::new(); self.points.len()] };
         let mut coplanar_pairs = 0;
         let mut touching = Vec::new();
         for piece in &self.pieces {
@@ -182,23 +195,24 @@ impl Linked {
             }
         }
         let mut seen = HashSet::new();
-        touching.retain(|&end| graph.neighbours[end].is_empty() && seen.insert(end));
+        touching.retain(|&end| graph.neighbors[end].is_empty() && seen.insert(end));
         let points = touching.into_iter().map(|end| self.points[end]).collect();
         Curves { polylines: graph.into_polylines(), points, coplanar_pairs }
     }
 }
 
-/// All corners of a face.
+/// All corners of a face, as indices into it.
 const ALL_CORNERS: [u8; 3] = [0, 1, 2];
 
-/// The corners of each edge of a face without area, as a triangle that is a segment; or all corners
-/// of another face.
+/// Returns the corners of each edge of a face without area, each edge as a triangle that is a
+/// segment. Returns all corners of any other face.
 fn edges_of(is_flat: bool) -> impl Iterator<Item = [u8; 3]> + Clone {
     let edges = (0..3).map(|corner| [corner, (corner + 1) % 3, (corner + 1) % 3]);
     edges.take(if is_flat { 3 } else { 0 }).chain((!is_flat).then_some(ALL_CORNERS))
 }
 
-/// A corner, edge or face of a mesh, whichever faces share it.
+/// Name of a corner, edge or face of a mesh. It is the same from every face that shares the
+/// feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Name {
     Vertex(u32),
@@ -206,8 +220,8 @@ enum Name {
     Face(u32),
 }
 
-/// Names of a mesh's parts; vertices at one position have one name, as many formats repeat a vertex for each of its
-/// faces.
+/// Names of the features of a mesh. Vertices at one position have one name, because many file
+/// formats repeat a vertex for each of its faces.
 struct Names<'a> {
     mesh: &'a Mesh,
     vertices: HashMap<[u64; 3], u32>,
@@ -218,7 +232,7 @@ impl<'a> Names<'a> {
         Self { mesh, vertices: HashMap::new() }
     }
 
-    /// The name of a feature of a triangle whose corners are these ones of a face.
+    /// Returns the name of a feature of a triangle whose corners are the given corners of a face.
     fn name(&mut self, face: u32, corners: &[u8; 3], feature: Feature) -> Name {
         match feature {
             Feature::Vertex(corner) => Name::Vertex(self.vertex(face, corners[usize::from(corner)])),
@@ -230,7 +244,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// The first vertex met that lies where this one does.
+    /// Returns the first vertex seen at the position of a corner.
     fn vertex(&mut self, face: u32, corner: u8) -> u32 {
         let vertex = self.mesh.faces()[face as usize][usize::from(corner)];
         let position = self.mesh.positions().get(vertex as usize);
@@ -239,44 +253,45 @@ impl<'a> Names<'a> {
     }
 }
 
-/// Ends of pieces and the pieces between them.
+/// Graph of the ends of pieces; its edges are the pieces.
 struct Graph<'p> {
     points: &'p [[f64; 3]],
-    neighbours: Vec<Vec<usize>>,
+    neighbors: Vec<Vec<usize>>,
 }
 
 impl Graph<'_> {
-    /// Joins two ends, once: a piece along an edge is found from both faces of the edge.
+    /// Links two ends, once: a piece along an edge of a mesh is found from both faces at the edge.
     fn link(&mut self, from: usize, to: usize) {
-        if !self.neighbours[from].contains(&to) {
-            self.neighbours[from].push(to);
-            self.neighbours[to].push(from);
+        if !self.neighbors[from].contains(&to) {
+            self.neighbors[from].push(to);
+            self.neighbors[to].push(from);
         }
     }
 
-    /// Open polylines first, from the ends and junctions; what is left over are rings.
+    /// Returns the polylines: first the open ones, from ends and junctions, then the closed ones.
     fn into_polylines(mut self) -> Vec<Vec<[f64; 3]>> {
-        let is_passage: Vec<bool> = self.neighbours.iter().map(|neighbours| neighbours.len() == 2).collect();
+        let is_passage: Vec<bool> = self.neighbors.iter().map(|neighbors| neighbors.len() == 2).collect();
         let mut polylines = Vec::new();
         for start in 0..is_passage.len() {
-            while !is_passage[start] && !self.neighbours[start].is_empty() {
+            while !is_passage[start] && !self.neighbors[start].is_empty() {
                 polylines.push(self.walk(start, &is_passage));
             }
         }
         for start in 0..is_passage.len() {
-            if !self.neighbours[start].is_empty() {
+            if !self.neighbors[start].is_empty() {
                 polylines.push(self.walk(start, &is_passage));
             }
         }
         polylines
     }
 
-    /// Follows and removes pieces from `start` to the next node that is no passage, or back to the start.
+    /// Follows and removes pieces from `start` to the next node that does not have two neighbors,
+    /// or back to the start. Returns the points on the way.
     fn walk(&mut self, start: usize, is_passage: &[bool]) -> Vec<[f64; 3]> {
         let mut line = vec![self.points[start]];
         let mut at = start;
-        while let Some(next) = self.neighbours[at].pop() {
-            self.neighbours[next].retain(|&node| node != at);
+        while let Some(next) = self.neighbors[at].pop() {
+            self.neighbors[next].retain(|&node| node != at);
             line.push(self.points[next]);
             at = next;
             if at == start || !is_passage[at] {

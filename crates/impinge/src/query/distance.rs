@@ -5,12 +5,18 @@ use super::shapes::table;
 use super::{Distance, Proximity, Query, of_meshes, shapes};
 use crate::mesh::WarmStart;
 
-/// The distance of two things.
+/// Computes the distance of two things in world units, as a proved interval, with the nearest
+/// points.
 ///
-/// The nearest faces of two meshes are those with the least distance by the closed form and, among equals, the least face of the
-/// first mesh, then of the second. If hundreds of faces tie on flat sides that face each other, they are two of those that tie. If
-/// the surfaces intersect they are two faces that do, with a common point: those that [`intersects`](super::intersects) comes to
-/// first, which depends on how the hierarchies were built.
+/// The function never fails. If a mesh is empty, both bounds are infinite and there are no nearest
+/// points. If a common point is proved, the upper bound is zero.
+///
+/// Two meshes also get the pair of nearest faces. It is the pair with the least distance by the
+/// closed form; among equal distances the smallest face of the first mesh wins, then that of the
+/// second. There are two exceptions. If hundreds of pairs tie, on flat sides that face each other,
+/// the result is one of these pairs. If the surfaces intersect, the result is the pair that
+/// [`intersects`](super::intersects()) finds first, with a common point. That pair depends on how
+/// the hierarchies were built.
 ///
 /// ```
 /// use impinge::{Mesh, Pose, Positions, Shape, query};
@@ -29,34 +35,39 @@ use crate::mesh::WarmStart;
 ///
 /// # Accuracy
 /// The true distance lies in `[lower, upper]`.
-/// - Of two meshes the width is at most 2^-44 of the diagonal of the box that holds both, most often 2^-45: how far they are from
-///   the origins of their frames and of the world does not count. For flat sides that face each other it is a few units of the last
-///   place (tests: `tests/it/distance`, against rationals). If it is undecided whether one is inside the other, an open solid, the
-///   lower end is zero.
-/// - Of polytopes (points, segments, triangles, boxes, hulls) and half-spaces it is at most 2^-36 of the distance, however small that
-///   is. Spheres and capsules add how far the pose is from orthogonal, and 2^-46 of the size of the cores.
-/// - Of other round shapes it is about 2^-40 of the size, and up to 2^-23 if they are turned so that several points are as near
-///   (tests: `tests/it/shapes`).
+/// - For two meshes the width is at most 2^-44 of the diagonal of the box around both, and mostly
+///   2^-45. It does not depend on how far the meshes are from the origins of their frames and of
+///   the world. For flat sides that face each other it is a few units in the last place (tests:
+///   `tests/it/distance`, against rational numbers). The lower bound is zero if one mesh is an open
+///   solid and it is undecided whether the other mesh is inside it.
+/// - For polytopes (points, segments, triangles, boxes, hulls) and half-spaces the width is at most
+///   2^-36 of the distance, however small the distance is. Spheres and capsules add two terms: how
+///   far the pose is from orthogonal, and 2^-46 of the size of their cores.
+/// - For other round shapes the width is about 2^-40 of the size. It grows to 2^-23 if the shapes
+///   are turned so that several points are equally near (tests: `tests/it/shapes`).
 ///
-/// Witnesses are rounded once more, to the world's coordinates.
+/// The nearest points are rounded once more, to the coordinates of the world.
 ///
 /// # Complexity
-/// For meshes apart it is logarithmic, and grows with the faces that are as near as the nearest. Flat sides that face each other
-/// take one pass over the vertices instead. Meshes that intersect take as long as [`intersects`](super::intersects) does.
+/// For meshes that are apart the time is logarithmic, and grows with the number of faces that are
+/// about as near as the nearest. Flat sides that face each other take one pass over the vertices
+/// instead. For meshes that intersect the time is that of [`intersects`](super::intersects()).
 ///
 /// # Source
-/// Meshes: Larsen, Gottschalk, Lin, Manocha, *Fast proximity queries with swept sphere volumes*, ICRA 2000; ours differs in its
-/// bounds, on boxes eight at a time and along the direction between the nearest points so far, and in that they are proved. Convex
-/// shapes: see [`convex`](crate::convex).
+/// Meshes: Larsen, Gottschalk, Lin, Manocha, *Fast proximity queries with swept sphere volumes*,
+/// ICRA
+/// 2000. Our bounds differ: they come from eight boxes at a time and from the direction between the
+///       nearest points so far, and they are proved. Convex shapes: see [`convex`](crate::convex).
 #[must_use]
 pub fn distance<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Distance {
     Query::new().distance(a, b)
 }
 
-/// Whether two things come within `clearance` of each other, in world units: closer than it or equal to it.
+/// Reports whether the distance of two things is at most `clearance`, in world units.
 ///
-/// Nothing is within a negative clearance, or one that is not a number, and an empty mesh is within none. What is inside a solid is
-/// within any other clearance of it.
+/// The function never fails. It returns `false` if `clearance` is negative or NaN, or if a mesh is
+/// empty. A thing inside a solid is within any other clearance of it. If rounding leaves the answer
+/// undecided, it returns `true`; [`nearness`] tells.
 ///
 /// ```
 /// use impinge::{Mesh, Pose, Positions, query};
@@ -70,27 +81,35 @@ pub fn distance<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> D
 /// ```
 ///
 /// # Accuracy
-/// As [`intersects`](super::intersects): exact for the real images of meshes, polytopes and half-spaces.
+/// As for [`intersects`](super::intersects()): exact for the real images of meshes, polytopes and
+/// half-spaces.
 ///
 /// # Complexity
-/// For two meshes it stops at the first pair of faces that is within the clearance. If none is, pairs of faces whose distance is the
-/// clearance to the last digits take about a microsecond each, and flat sides that face each other take one pass over the faces. Two
-/// convex shapes with a [`Cache`](super::Cache) take one support of either, if they are still apart along the last direction.
+/// For two meshes the search stops at the first pair of faces within the clearance. If there is no
+/// such pair, each pair of faces whose distance equals the clearance to the last digits takes about
+/// a microsecond. Flat sides that face each other take one pass over the faces. Two convex shapes
+/// with a [`Cache`](super::Cache) take one call of the support function of each, if they are still
+/// apart along the last direction.
 #[must_use]
 pub fn within<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, clearance: f64) -> bool {
     Query::new().within(a, b, clearance)
 }
 
-/// What is known of whether two things come within `clearance` of each other: [`proximity`](super::proximity) if it is zero.
+/// Returns whether the distance of two things is at most `clearance`, or that this is undecided.
+///
+/// [`Proximity::Intersects`] means that it is. A clearance of zero gives the answer of
+/// [`proximity`](super::proximity()). The function never fails; it returns
+/// [`Apart`](Proximity::Apart) if `clearance` is negative or NaN, or if a mesh is empty. Accuracy
+/// and complexity are those of [`within`].
 ///
 /// ```
 /// use impinge::query::{self, Proximity};
 /// use impinge::{Pose, Shape};
 ///
-/// let ball = Shape::sphere([0.0; 3], 1.0)?;
-/// let [here, there] = [0.0, 3.0].map(|x| ball.at(Pose::from_translation([x, 0.0, 0.0]).unwrap()).unwrap());
+/// let sphere = Shape::sphere([0.0; 3], 1.0)?;
+/// let [here, there] = [0.0, 3.0].map(|x| sphere.at(Pose::from_translation([x, 0.0, 0.0]).unwrap()).unwrap());
 /// assert_eq!(query::nearness(&here, &there, 0.5), Proximity::Apart);
-/// assert_eq!(query::nearness(&here, &there, 1.5), Proximity::Meets);
+/// assert_eq!(query::nearness(&here, &there, 1.5), Proximity::Intersects);
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 #[must_use]
@@ -99,7 +118,7 @@ pub fn nearness<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, clea
 }
 
 impl Query<'_> {
-    /// As [`distance`].
+    /// Computes the distance of two things, as [`distance`] does.
     #[must_use]
     pub fn distance<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Distance {
         let (a, b) = (a.into(), b.into());
@@ -109,13 +128,14 @@ impl Query<'_> {
         of_meshes::distance(a, b, warm_start, &self.options)
     }
 
-    /// As [`within`].
+    /// Reports whether the distance of two things is at most `clearance`, as [`within`] does.
     #[must_use]
     pub fn within<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, clearance: f64) -> bool {
         self.nearness(a, b, clearance) != Proximity::Apart
     }
 
-    /// As [`nearness`].
+    /// Returns whether the distance of two things is at most `clearance`, or that this is
+    /// undecided, as [`nearness`] does.
     #[must_use]
     pub fn nearness<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, clearance: f64) -> Proximity {
         let (a, b) = (a.into(), b.into());
@@ -128,7 +148,8 @@ impl Query<'_> {
         of_meshes::nearness(a, b, clearance, warm_start, &self.options)
     }
 
-    /// [`nearness`](Self::nearness) of two things of which one is no mesh; the clearance is not negative.
+    /// Returns [`nearness`](Self::nearness) of two things that are not both meshes. `clearance`
+    /// must not be negative or NaN.
     pub(super) fn nearness_of_shapes(self, a: &Placed<'_>, b: &Placed<'_>, clearance: f64) -> Proximity {
         let (a, b) = (a.shape(), b.shape());
         match self.cache {

@@ -4,19 +4,25 @@ use super::last_hit::LastHit;
 use super::placed::{Placed, meshes};
 use super::{Proximity, Query, of_meshes};
 
-/// Whether two things have a point in common; touching counts.
+/// Reports whether two things have a point in common. Touching counts.
+///
+/// The things are compared where their poses place them in the world. The function never fails, and
+/// returns `false` if one of the things is an empty mesh.
 ///
 /// # Accuracy
-/// The answer about meshes, as surfaces or as closed solids, and about boxes, triangles, hulls and half-spaces is the truth about
-/// their real images under the given poses: no tolerance, no scale. So it is for spheres and capsules among these, if their poses are
-/// exactly orthogonal. For other round shapes and open solids the answer is true unless they are proved to be apart;
-/// [`proximity`] tells which.
+/// - Exact for meshes, as surfaces or as closed solids, and for boxes, triangles, hulls and
+///   half-spaces: the answer is true of their real images under the given poses, at any scale,
+///   without a tolerance.
+/// - Exact for spheres and capsules too, if their poses are exactly orthogonal.
+/// - For other round shapes and for open solids the function returns `true` unless the things are
+///   proved to be apart. [`proximity`] tells both cases apart.
 ///
 /// # Complexity
-/// For two meshes it stops at the first pair of faces found: logarithmic if they are deep in each other or well apart. If one is
-/// solid and the surfaces are apart, it takes for each connected component of the other that of
-/// [`Mesh::contains`](crate::Mesh::contains) for one point, and O(n log n) the first time that a mesh is asked. For shapes see
-/// [`proximity`].
+/// For two meshes the search stops at the first pair of faces found. It takes logarithmic time if
+/// the meshes are deep in each other or well apart. If one mesh is solid and the surfaces are
+/// apart, each connected component of the other mesh costs as much as
+/// [`Mesh::contains`](crate::Mesh::contains) for one point. The first such query of a mesh takes
+/// O(n log n). For shapes see [`proximity`].
 ///
 /// ```
 /// use impinge::{Mesh, Pose, Positions, Shape, query};
@@ -33,28 +39,34 @@ pub fn intersects<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) ->
     Query::new().intersects(a, b)
 }
 
-/// Whether two things have a point in common, as far as that is proved; touching counts.
+/// Returns whether two things have a point in common, or that this is undecided. Touching counts.
+///
+/// The function never fails, and returns [`Apart`](Proximity::Apart) if one of the things is an
+/// empty mesh.
 ///
 /// # Accuracy
-/// As [`intersects`]. Undecided are only round shapes that touch to within rounding, and an open solid if a component of the other
-/// thing counts as inside it without proof.
+/// As for [`intersects`]. The answer is [`Undecided`](Proximity::Undecided) only if round shapes
+/// touch to within rounding, or if a component of one thing may be inside an open solid and no
+/// proof is found.
 ///
 /// # Complexity
-/// Two convex shapes take some 10 supports of either; a mesh and a shape those of each face whose boxes are near. Polytopes that
-/// nearly touch take some microseconds of exact arithmetic for each of a few vertices. For two meshes see [`intersects`].
+/// Two convex shapes take about 10 calls of the support function of each. A mesh and a convex shape
+/// take as much for each face whose box is near the shape. Polytopes that nearly touch take a few
+/// microseconds of exact arithmetic for each of a few vertices. For two meshes see [`intersects`].
 #[must_use]
 pub fn proximity<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Proximity {
     Query::new().proximity(a, b)
 }
 
 impl Query<'_> {
-    /// As [`intersects`].
+    /// Reports whether two things have a point in common, as [`intersects`] does.
     #[must_use]
     pub fn intersects<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> bool {
         self.proximity(a, b) != Proximity::Apart
     }
 
-    /// As [`proximity`].
+    /// Returns whether two things have a point in common, or that this is undecided, as
+    /// [`proximity`] does.
     #[must_use]
     pub fn proximity<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Proximity {
         let (a, b) = (a.into(), b.into());

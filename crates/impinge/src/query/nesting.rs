@@ -1,7 +1,9 @@
-//! What lies wholly inside a solid mesh intersects it too.
+//! Intersections with a solid mesh of things that lie wholly inside it.
 //!
-//! If the surfaces are apart, a connected component of one lies in one region of what the other leaves of space, so one of its
-//! points tells for all of it.
+//! If the surfaces are apart, a connected component of one mesh lies in one region of the
+//! complement of the other surface. So one point of the component decides for all of it.
+//!
+//! Tests: `tests/it/solids`. Benchmark: `solids`.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -9,31 +11,34 @@ use rayon::prelude::*;
 
 use super::{Proximity, intersecting_pairs};
 use crate::exact::{Placement, PosedPoint, Spot};
-use crate::mesh::{Components, Containment, Judge, Mesh, PlacedMesh};
+use crate::mesh::{Components, Containment, Mesh, PlacedMesh, PointClassifier};
 
-/// Which mesh has a connected component inside the other one, apart from its surface.
+/// Which mesh has a connected component inside the other one, without touching its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Contained {
-    /// The first mesh, in the second.
+    /// A component of the first mesh is inside the second.
     A,
-    /// The second mesh, in the first.
+    /// A component of the second mesh is inside the first.
     B,
-    /// Each has one in the other.
+    /// Each mesh has a component inside the other.
     Both,
 }
 
-/// How two meshes intersect, of which one or both are solid.
+/// Report about the intersection of two meshes, of which one or both are solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SolidIntersection {
-    /// Whether they have a point in common.
+    /// Whether the meshes have a point in common, or may have one if [`undecided`](Self::undecided)
+    /// is set.
     pub intersects: bool,
-    /// Which of them has a component that lies inside the other, apart from its surface.
+    /// Which mesh has a component inside the other, without touching its surface. Absent if no mesh
+    /// has one.
     pub contained: Option<Contained>,
-    /// Whether a component counts as inside an open mesh without proof: the proved interval of the winding number held
-    /// one half.
+    /// Whether a component counts as inside an open mesh without proof, because the proved interval
+    /// of its winding number contains one half.
     pub undecided: bool,
-    /// Whether each mesh is open and was asked for what is inside it: its inside is then where its generalised winding
-    /// number is beyond one half, and of a component of the other one point was asked for.
+    /// Whether each mesh is open and was checked for components of the other inside it. The inside
+    /// of an open mesh is the set of points whose generalized winding number is above one half.
+    /// Only one point of each component was checked.
     pub open: [bool; 2],
 }
 
@@ -47,21 +52,27 @@ impl Contained {
         }
     }
 
-    /// Whether each of the two has a component in the other.
+    /// Reports for each mesh whether it has a component inside the other.
     #[must_use]
     pub fn sides(self) -> [bool; 2] {
         [self != Self::B, self != Self::A]
     }
 }
 
-/// How two meshes intersect, of which one or both are solid, and which has a component inside the other.
+/// Returns how two meshes intersect, of which one or both are solid, and which mesh has a component
+/// inside the other.
+///
+/// The function never fails. If both meshes are surfaces, only their surfaces count and `contained`
+/// is absent.
 ///
 /// # Accuracy
-/// Exact if the solid meshes are closed. If one is open, the answer says what is not proved.
+/// Exact if the solid meshes are closed. If a solid mesh is open, the fields
+/// [`undecided`](SolidIntersection::undecided) and [`open`](SolidIntersection::open) say which part
+/// of the answer is not proved.
 ///
 /// # Complexity
-/// That of [`intersecting_pairs`], then for each connected component of either mesh that of [`Mesh::contains`] for one point;
-/// O(n log n) the first time that a mesh is asked.
+/// The time of [`intersecting_pairs`], and for each connected component of each mesh the time of
+/// [`Mesh::contains`] for one point. The first such query of a mesh takes O(n log n).
 ///
 /// ```
 /// use impinge::query::{self, Contained};
@@ -80,10 +91,11 @@ pub fn solid_intersection<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<Pla
     solid_intersection_of_pairs(a, b, &intersecting_pairs(a, b))
 }
 
-/// [`solid_intersection`], for pairs that were computed before: all that [`intersecting_pairs`] returned.
+/// Returns [`solid_intersection`] of two meshes from the pairs of faces that intersect. `pairs`
+/// must be all pairs that [`intersecting_pairs`] returned for the same meshes and poses.
 ///
 /// # Panics
-/// Where a pair names a face that a mesh does not have.
+/// If a face index of a pair is out of range.
 #[must_use]
 pub fn solid_intersection_of_pairs<'a, 'b>(
     a: impl Into<PlacedMesh<'a>>,
@@ -107,7 +119,7 @@ pub fn solid_intersection_of_pairs<'a, 'b>(
             .map(|corner| nesting.containment(corner))
             .fold(
                 || [false; 2],
-                |[surely, perhaps], at| [surely || at == Containment::Inside, perhaps || at == Containment::Undecided],
+                |[surely, maybe], at| [surely || at == Containment::Inside, maybe || at == Containment::Undecided],
             )
             .reduce(|| [false; 2], |x, y| [x[0] || y[0], x[1] || y[1]]);
         inside[inner] = found[0] || found[1];
@@ -118,32 +130,33 @@ pub fn solid_intersection_of_pairs<'a, 'b>(
     SolidIntersection { intersects: !pairs.is_empty() || contained.is_some(), contained, undecided, open }
 }
 
-/// Whether a component of one of two meshes lies inside the other, a solid, if their surfaces are apart. Undecided if none does for
-/// certain, and one may lie inside an open mesh.
+/// Returns whether a component of one mesh lies inside the other, a solid, if their surfaces are
+/// apart. The answer is undecided if no component is certainly inside, and one may be inside an
+/// open mesh.
 pub(super) fn nested(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Proximity {
-    let is_open = AtomicBool::new(false);
+    let is_undecided = AtomicBool::new(false);
     let any = |inner: PlacedMesh<'_>, outer: PlacedMesh<'_>| {
         let nesting = Nesting::of(inner, outer);
         nesting.free(&[]).into_par_iter().any(|corner| match nesting.containment(corner) {
             Containment::Inside | Containment::Surface => true,
             Containment::Outside => false,
             Containment::Undecided => {
-                // Ordered by the end of the loop.
-                is_open.store(true, Ordering::Relaxed);
+                // The end of the parallel loop orders this store before the load below.
+                is_undecided.store(true, Ordering::Relaxed);
                 false
             }
         })
     };
     if (b.is_solid && any(a, b)) || (a.is_solid && any(b, a)) {
-        Proximity::Meets
-    } else if is_open.into_inner() {
+        Proximity::Intersects
+    } else if is_undecided.into_inner() {
         Proximity::Undecided
     } else {
         Proximity::Apart
     }
 }
 
-/// The components of one mesh beside another.
+/// Components of one mesh in the frame of another.
 struct Nesting<'m> {
     inner: &'m Mesh,
     outer: &'m Mesh,
@@ -156,11 +169,12 @@ impl<'m> Nesting<'m> {
         Self { inner: inner.mesh, outer: outer.mesh, placement }
     }
 
-    /// For each component that has none of these faces a corner of it: its first one, or, if the
-    /// outer mesh is open, the one with the least coordinates. A closed mesh has all of a component
-    /// on one side. An open one may not, and the order of the faces is not to decide.
+    /// Returns one corner of each component that contains none of the touched faces. It is the
+    /// first corner or, if the outer mesh is open, the corner with the smallest coordinates: a
+    /// component may then lie on both sides, and the order of the faces must not decide. A closed
+    /// outer mesh has all of a component on one side.
     fn free(&self, touched: &[u32]) -> Vec<[f64; 3]> {
-        // Built now, not by the threads that share the work.
+        // Built here, so that the threads of the caller do not wait for it.
         self.outer.topology();
         let Components { of_face, first_faces } = &self.inner.topology().components;
         let mut corners: Vec<[f64; 3]> = first_faces.iter().map(|&face| self.inner.corners(face)[0]).collect();
@@ -177,8 +191,8 @@ impl<'m> Nesting<'m> {
         corners.into_iter().zip(is_free).filter_map(|(corner, is_free)| is_free.then_some(corner)).collect()
     }
 
-    /// Where a corner of the inner mesh is to the outer one.
+    /// Returns whether a corner of the inner mesh is inside the outer one.
     fn containment(&self, corner: [f64; 3]) -> Containment {
-        Judge::new(self.outer).containment(&PosedPoint::new(&self.placement, Spot::At(corner)))
+        PointClassifier::new(self.outer).containment(&PosedPoint::new(&self.placement, Spot::At(corner)))
     }
 }

@@ -5,20 +5,20 @@ use super::nesting::nested;
 use super::{Distance, Proximity, Witness};
 use crate::mesh::{self, Options, PlacedMesh, WarmStart};
 
-/// Whether two meshes have a point in common.
+/// Reports whether two meshes have a point in common. `last_hit` makes a repeated query faster.
 pub(super) fn proximity(
     a: PlacedMesh<'_>,
     b: PlacedMesh<'_>,
     last_hit: &mut LastHit,
     options: &Options<'_>,
 ) -> Proximity {
-    if surfaces_intersect(a, b, last_hit, options) { Proximity::Meets } else { nested(a, b) }
+    if surfaces_intersect(a, b, last_hit, options) { Proximity::Intersects } else { nested(a, b) }
 }
 
 fn surfaces_intersect(a: PlacedMesh<'_>, b: PlacedMesh<'_>, last_hit: &mut LastHit, options: &Options<'_>) -> bool {
     if let Some(faces) = last_hit.faces_to_try() {
-        let is_hit = mesh::faces_meet(a, b, faces);
-        last_hit.learn(is_hit);
+        let is_hit = mesh::faces_intersect(a, b, faces);
+        last_hit.record_try(is_hit);
         if is_hit {
             return true;
         }
@@ -28,7 +28,8 @@ fn surfaces_intersect(a: PlacedMesh<'_>, b: PlacedMesh<'_>, last_hit: &mut LastH
     hit.is_some()
 }
 
-/// Whether two meshes are within a clearance, which is not negative.
+/// Reports whether two meshes are at most `clearance` apart. `clearance` must not be negative or
+/// NaN.
 pub(super) fn nearness(
     a: PlacedMesh<'_>,
     b: PlacedMesh<'_>,
@@ -37,15 +38,16 @@ pub(super) fn nearness(
     options: &Options<'_>,
 ) -> Proximity {
     let near_faces = mesh::within(a, b, clearance, warm_start, options);
-    if near_faces.is_some() { Proximity::Meets } else { nested(a, b) }
+    if near_faces.is_some() { Proximity::Intersects } else { nested(a, b) }
 }
 
-/// Returns the distance of two meshes of which nothing is known from before.
+/// Returns the distance of two meshes, without state from an earlier query.
 pub(super) fn distance_without_cache(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Distance {
     distance(a, b, &mut WarmStart::default(), &Options::default())
 }
 
-/// Returns the distance of two meshes, which `warm_start` makes faster.
+/// Returns the distance of two meshes. `warm_start` holds state of the last query, which makes this
+/// one faster, and is updated.
 pub(super) fn distance(
     a: PlacedMesh<'_>,
     b: PlacedMesh<'_>,
@@ -58,10 +60,10 @@ pub(super) fn distance(
     let ([point_a, point_b], upper) = (found.points, found.upper);
     let witness = Some(Witness { point_a, point_b, faces: Some(found.faces) });
     if upper == 0.0 {
-        return Distance { lower: found.lower, upper, witness, proximity: Proximity::Meets };
+        return Distance { lower: found.lower, upper, witness, proximity: Proximity::Intersects };
     }
     match nested(a, b) {
-        Proximity::Meets => Distance { lower: 0.0, upper: 0.0, witness: None, proximity: Proximity::Meets },
+        Proximity::Intersects => Distance { lower: 0.0, upper: 0.0, witness: None, proximity: Proximity::Intersects },
         Proximity::Undecided => Distance { lower: 0.0, upper, witness, proximity: Proximity::Undecided },
         Proximity::Apart => Distance { lower: found.lower, upper, witness, proximity: Proximity::Apart },
     }

@@ -1,17 +1,23 @@
-//! Sorting pairs of faces, the last step of a query and, by comparisons, a tenth of it.
+//! Sorting pairs of faces, the last step of a pair query.
+//!
+//! A sort by comparisons would take about 10 % of the query.
 
 use crate::hierarchy::scatter;
 
-/// Fewer pairs than this are sorted sooner by comparisons.
-const FEW: usize = 1 << 9;
+/// Minimum number of pairs for the radix sort. A sort by comparisons is faster for shorter lists.
+const MIN_RADIX_SORT: usize = 1 << 9;
 
+/// Number of bits of a digit.
 const DIGIT_BITS: u32 = 11;
+/// Number of values of a digit.
 const DIGITS: usize = 1 << DIGIT_BITS;
 
-/// The pairs by their first face, then by their second: dealt out digit by digit, from the least (Knuth, *The Art of
-/// Computer Programming* 3, 5.2.5), as faces are numbered from zero and few digits tell them apart.
+/// Returns the pairs sorted by their first face, then by their second.
+///
+/// Long lists are sorted by digits, from the least significant digit up (Knuth, *The Art of
+/// Computer Programming* 3, 5.2.5). Faces are numbered from zero, so that few digits are in use.
 pub(super) fn sorted(mut pairs: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
-    if pairs.len() < FEW || u32::try_from(pairs.len()).is_err() {
+    if pairs.len() < MIN_RADIX_SORT || u32::try_from(pairs.len()).is_err() {
         pairs.sort_unstable();
         return pairs;
     }
@@ -35,7 +41,7 @@ mod tests {
     fn any_pairs_are_sorted() {
         let mut rng = Rng::new(161);
         for most in [0, 1, 2_047, 2_048, 100_000, i64::from(u32::MAX)] {
-            for len in [0, 1, FEW - 1, FEW, 20_000] {
+            for len in [0, 1, MIN_RADIX_SORT - 1, MIN_RADIX_SORT, 20_000] {
                 let pairs: Vec<[u32; 2]> = (0..len).map(|_| [0; 2].map(|_| rng.integer(0, most) as u32)).collect();
                 let mut expected = pairs.clone();
                 expected.sort();

@@ -3,7 +3,11 @@
 use super::{Query, pair_order};
 use crate::mesh::{PlacedMesh, collect_intersecting};
 
-/// Every pair of faces (of `a`, of `b`) that have a point in common, sorted, without duplicates. Meshes are their surfaces here.
+/// Returns all pairs of faces (face of `a`, face of `b`) that have a point in common, sorted and
+/// without duplicates.
+///
+/// Each mesh is its surface here, even if it is given as a solid. Touching counts. The list is
+/// empty if a mesh is empty.
 ///
 /// ```
 /// use impinge::{Mesh, Pose, Positions, query};
@@ -15,24 +19,28 @@ use crate::mesh::{PlacedMesh, collect_intersecting};
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 ///
+/// # Accuracy
+/// Exact for the real images of the faces under the poses: there is no tolerance.
+///
 /// # Complexity
-/// Grows with the pairs of boxes that overlap near the intersection, on all cores of the current rayon pool.
+/// The time grows with the number of pairs of boxes that overlap near the intersection. The search
+/// runs on all threads of the current rayon pool.
 #[must_use]
 pub fn intersecting_pairs<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<PlacedMesh<'b>>) -> Vec<[u32; 2]> {
     Query::new().intersecting_pairs(a, b)
 }
 
-/// Some of the pairs that there are, where a limit was set.
+/// Intersecting pairs of faces up to a limit.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SomePairs {
-    /// The first ones in their order, each a face of `a` and one of `b`.
+pub struct LimitedPairs {
+    /// First pairs in sorted order, each a face of `a` and a face of `b`.
     pub pairs: Vec<[u32; 2]>,
-    /// Whether there are more than these.
+    /// Whether there are more pairs than the limit.
     pub truncated: bool,
 }
 
-/// The first `limit` of all [`intersecting_pairs`] in their order, and whether there are more. It is for meshes whose pairs may not
-/// all fit in memory.
+/// Returns the first `limit` pairs of [`intersecting_pairs`], and whether there are more. Use it if
+/// all pairs may not fit in memory.
 ///
 /// ```
 /// use impinge::{Mesh, Positions, query};
@@ -45,20 +53,24 @@ pub struct SomePairs {
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 ///
+/// # Accuracy
+/// Exact, as for [`intersecting_pairs`].
+///
 /// # Complexity
-/// Time grows with the pairs of leaves whose boxes overlap: leaves whose faces all come after the pairs that are kept are passed over.
-/// Takes the memory of a few times `limit` pairs for each thread.
+/// The time grows with the number of pairs of leaves whose boxes overlap. Pairs of leaves are
+/// skipped if all their pairs of faces come after the pairs that are kept. Each thread needs memory
+/// for a few times `limit` pairs.
 #[must_use]
 pub fn intersecting_pairs_up_to<'a, 'b>(
     a: impl Into<PlacedMesh<'a>>,
     b: impl Into<PlacedMesh<'b>>,
     limit: usize,
-) -> SomePairs {
+) -> LimitedPairs {
     Query::new().intersecting_pairs_up_to(a, b, limit)
 }
 
 impl Query<'_> {
-    /// As [`intersecting_pairs`].
+    /// Returns all pairs of faces that have a point in common, as [`intersecting_pairs`] does.
     #[must_use]
     pub fn intersecting_pairs<'a, 'b>(
         self,
@@ -68,23 +80,25 @@ impl Query<'_> {
         pair_order::sorted(collect_intersecting(a.into(), b.into(), usize::MAX, &self.options))
     }
 
-    /// As [`intersecting_pairs_up_to`].
+    /// Returns the first `limit` pairs of faces that have a point in common, as
+    /// [`intersecting_pairs_up_to`] does.
     #[must_use]
     pub fn intersecting_pairs_up_to<'a, 'b>(
         self,
         a: impl Into<PlacedMesh<'a>>,
         b: impl Into<PlacedMesh<'b>>,
         limit: usize,
-    ) -> SomePairs {
-        // One more than is wanted says whether there are more.
+    ) -> LimitedPairs {
+        // One more pair than wanted shows whether there are more.
         let found = collect_intersecting(a.into(), b.into(), limit.saturating_add(1), &self.options);
         let mut pairs = pair_order::sorted(found);
         let truncated = pairs.len() > limit;
         pairs.truncate(limit);
         if truncated {
-            // A caller with many poses keeps one answer for each. The capacity for the pairs that were dropped would add up.
+            // A caller with many poses keeps one answer for each pose. Without this the unused
+            // capacity would add up.
             pairs.shrink_to_fit();
         }
-        SomePairs { pairs, truncated }
+        LimitedPairs { pairs, truncated }
     }
 }

@@ -6,33 +6,40 @@ use super::shapes::{search, table};
 use super::{Proximity, intersecting_pairs, proximity};
 use crate::convex::Depth;
 
-/// How deep two things are in each other, with what was proved about it.
+/// Penetration depth of two things, as an interval that is proved to hold the true depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penetration {
-    /// No translation shorter than this takes the interiors of the two apart, in world units.
+    /// Lower bound of the depth, in world units: no shorter translation separates the interiors of
+    /// the two things.
     pub lower: f64,
-    /// Moving the second by this along [`normal`](Self::normal) does; infinite where nothing does.
+    /// Upper bound of the depth, in world units: moving the second thing by this length along
+    /// [`normal`](Self::normal) separates the interiors. Infinite if no such translation is known.
     pub upper: f64,
-    /// A direction of length 1 from the first to the second, in the world frame. Where several are as good, one of them.
+    /// Direction of length 1 from the first thing to the second, in the world frame. If several
+    /// directions are equally good, it is one of them.
     pub normal: [f64; 3],
-    /// The point of the first that is deepest in the second, against the normal; in the world frame, rounded.
+    /// Point of the first thing that is deepest in the second, seen against the normal. It is in
+    /// the world frame, each coordinate rounded.
     pub point_a: [f64; 3],
-    /// The point of the second that is deepest in the first, in the world frame, rounded: from it to the other point it is about the
-    /// depth, along the normal.
+    /// Point of the second thing that is deepest in the first, in the world frame, each coordinate
+    /// rounded. `point_a` is about the depth away from it along the normal.
     pub point_b: [f64; 3],
 }
 
 impl Penetration {
-    /// The penetration of two things about which nothing is proved: a depth between zero and infinity.
+    /// Penetration about which nothing is proved: a depth between zero and infinity.
     pub const UNKNOWN: Self =
         Self { lower: 0.0, upper: f64::INFINITY, normal: [0.0; 3], point_a: [0.0; 3], point_b: [0.0; 3] };
 }
 
-/// How deep two things are in each other; none if they do not intersect. A mesh is taken as a solid here, whether
-/// it is said to be one or not: a surface has no interior.
+/// Computes how deep two things are in each other, as a proved interval in world units. Returns
+/// `None` if they do not intersect.
 ///
-/// It is the length of a translation of the second that takes it out of the first, and no property of a pair of faces: smaller
-/// triangles make it more accurate and not smaller.
+/// The depth is the length of the shortest translation of the second thing that moves it out of the
+/// first. A mesh is always taken as a solid here, because a surface has no interior. The depth
+/// belongs to the two things, not to a pair of faces: with smaller triangles it becomes more
+/// accurate, not smaller. The function never fails. The interval contains zero if the things only
+/// touch, or if it is undecided whether they intersect.
 ///
 /// ```
 /// use impinge::{Mesh, Pose, Positions, Shape, query};
@@ -54,25 +61,32 @@ impl Penetration {
 /// ```
 ///
 /// # Accuracy
-/// The true depth lies in `[lower, upper]` (docs/proof.md, L22 and L30), and the upper end is valid for the normal whatever else
-/// happened.
-/// - Of polytopes, spheres and capsules the interval is about 2^-44 of the sizes wide. For cylinders, cones and ellipsoids it is
-///   narrowed to 2^-40 of the sizes; if they are deep in each other, as in one place, it is what the work allows: the tests assert
-///   1e-10 for those placed at random, and 1e-3 of the sizes in one place, 1e-2 for a cone (`tests/it/shapes`).
-/// - Of compounds, and of meshes but with half-spaces, the upper end is what a search found: the second was moved by it and proved
-///   to be apart; there may be shorter ways. The lower end comes from two balls about one point, one in each of the two, and so is near
-///   the upper one if both are round there, and may be far below it if they are thin. Of spheres of 20,480 triangles that overlap by
-///   a quarter of their size it is within 1 % (`tests/it/solids/depths.rs`). An open mesh has its inside where its winding number is
-///   beyond one half. Closed meshes that only touch have a depth of zero, exactly. The surfaces in a compound hold no ball.
+/// The true depth lies in `[lower, upper]` (docs/notes/proof.md, L22 and L30). The upper bound
+/// always holds for the returned normal.
+/// - For polytopes, spheres and capsules the width is about 2^-44 of their sizes.
+/// - For cylinders, cones and ellipsoids the width is narrowed to 2^-40 of their sizes. If they are
+///   deep in each other, for example in one place, the number of iterations limits the width. The
+///   tests assert 1e-10 for random poses, 1e-3 of the sizes for shapes in one place, and 1e-2 for
+///   cones there (`tests/it/shapes`).
+/// - For compounds, and for meshes with anything but half-spaces, a search finds the upper bound.
+///   The second thing was moved by that translation and proved to be apart; a shorter translation
+///   may exist. The lower bound comes from two spheres about one point, one inside each thing. It
+///   is near the upper bound if both things are round there, and may be far below it if they are
+///   thin. For two spheres of 20,480 triangles that overlap by a quarter of their size it is within
+///   1 % (`tests/it/solids/depths.rs`). Surfaces in a compound hold no sphere.
+/// - The inside of an open mesh is the set of points whose winding number is above one half. Closed
+///   meshes that only touch have a depth of exactly zero.
 ///
 /// # Complexity
-/// Some 10 to 30 supports and as many facets for boxes and small hulls, 30 to 60 for round ones and at most 320. A search takes some
-/// hundred distances, each from the last witness, as many closest points, and of two meshes that of
-/// [`intersection_curves`](super::intersection_curves).
+/// Boxes and small hulls take 10 to 30 support calls and as many facets; round shapes take 30 to
+/// 60, and at most 320. A search takes a few hundred distances, each with a warm start, as many
+/// closest-point queries, and for two meshes one
+/// [`intersection_curves`](super::intersection_curves()) query.
 ///
 /// # Source
-/// The search: Je, Tang, Lee, Lee, Kim, *PolyDepth: real-time penetration depth computation using iterative contact-space
-/// projection*, ACM Transactions on Graphics 31, 2012; ours advances by proved distances, so that what it returns parts the two.
+/// The search: Je, Tang, Lee, Lee, Kim, *PolyDepth: real-time penetration depth computation using
+/// iterative contact-space projection*, ACM Transactions on Graphics 31, 2012. Ours advances by
+/// proved distances, so that the returned translation separates the two things.
 #[must_use]
 pub fn penetration<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Option<Penetration> {
     let (a, b) = (a.into(), b.into());
@@ -84,7 +98,7 @@ pub fn penetration<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -
     Some(table::depth(&a, &b).unwrap_or_else(|| search::depth_by_search(&a, &b)).into())
 }
 
-/// A mesh as a solid; all else as it is.
+/// Returns a mesh as a solid, and any other thing as it is.
 pub(super) fn solid<'p>(placed: &'p Placed<'_>) -> Placed<'p> {
     match placed.mesh() {
         Some(mesh) => Placed::Mesh(mesh.mesh.solid().at(mesh.world_from_mesh)),
@@ -92,18 +106,25 @@ pub(super) fn solid<'p>(placed: &'p Placed<'_>) -> Placed<'p> {
     }
 }
 
-/// Whether the interiors of two things intersect, which touching is not. A mesh is taken as a solid here.
+/// Returns whether the interiors of two things intersect, or that this is undecided. Touching does
+/// not count. A mesh is always taken as a solid here.
+///
+/// The function never fails. [`Penetrates::possibly`] turns the answer into a `bool`, which is
+/// `true` if the answer is undecided.
 ///
 /// # Accuracy
-/// `Yes` and `No` are exact. Of two meshes `Undecided` is possible only if one mesh is open and its border is
-/// near the other mesh, or if faces that intersect the other mesh or lie inside it also intersect
-/// faces of their own mesh elsewhere than in common corners and edges. The answer does not depend on
-/// the order of the faces. Other shapes are `Undecided` if their depth is zero to within its proved interval.
+/// `Yes` and `No` are exact. For two meshes the answer is `Undecided` only in two cases: a mesh is
+/// open and its border is near the other mesh; or faces that intersect the other mesh or lie inside
+/// it also intersect faces of their own mesh outside of common corners and edges. The answer does
+/// not depend on the order of the faces. For other shapes the answer is `Undecided` if zero lies in
+/// the proved interval of the depth.
 ///
 /// # Complexity
-/// Of two meshes that of [`intersecting_pairs`](super::intersecting_pairs), linear in the pairs, and that of
-/// [`Mesh::contains`](crate::Mesh::contains) for one point of each face that is in a pair or beside one, and of each connected part
-/// that is in none. Of other shapes that of [`penetration`].
+/// For two meshes it takes the time of [`intersecting_pairs`](super::intersecting_pairs()) and
+/// linear time in the number of pairs. It also takes the time of
+/// [`Mesh::contains`](crate::Mesh::contains) for one point of each face that is in a pair or beside
+/// one, and of each connected part that is in no pair. For other shapes it takes the time of
+/// [`penetration`].
 ///
 /// ```
 /// use impinge::query::{self, Penetrates};

@@ -1,37 +1,38 @@
-//! What a verb takes: anything that stands somewhere in the world.
+//! The arguments of a query: things with their poses.
 
 use std::borrow::Cow;
 
 use crate::mesh::{Mesh, PlacedMesh, SolidMesh};
 use crate::shape::PlacedShape;
 
-/// One of the two things that a verb is asked about: a mesh, as its surface or as a solid, a shape, or a compound.
+/// A thing in the world: a mesh, as its surface or as a solid, a shape, or a compound.
 ///
-/// Verbs take whatever converts to it: `&mesh`, `mesh.at(pose)`, `mesh.solid()`, `mesh.solid().at(pose)`, and
-/// `shape.at(pose)?` or a reference to it. A mesh without a pose stands where its own frame is the world.
+/// Queries take everything that converts to it: `&mesh`, `mesh.at(pose)`, `mesh.solid()`,
+/// `mesh.solid().at(pose)`, `shape.at(pose)?` and references to a placed shape. A mesh without a
+/// pose has the identity as its pose, so its own frame is the world frame.
 ///
 /// ```
 /// use impinge::{Mesh, Pose, Positions, Shape, query};
 ///
 /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 1, 2]])?;
-/// let ball = Shape::sphere([0.0; 3], 0.5)?;
+/// let sphere = Shape::sphere([0.0; 3], 0.5)?;
 /// let above = Pose::from_translation([0.25, 0.25, 0.5])?;
-/// assert!(query::intersects(&mesh, ball.at(above)?)); // they touch
+/// assert!(query::intersects(&mesh, sphere.at(above)?)); // they touch
 /// assert!(!query::intersects(&mesh, mesh.at(above)));
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum Placed<'a> {
-    /// A mesh.
+    /// A mesh with its pose, as its surface or as a solid.
     Mesh(PlacedMesh<'a>),
-    /// A shape or a compound. A shape that is made of a mesh counts as that mesh.
+    /// A shape or a compound with its pose. A shape that is made of one mesh counts as that mesh.
     Shape(Cow<'a, PlacedShape>),
 }
 
 impl Placed<'_> {
-    /// Returns the mesh, if this is one.
+    /// Returns the mesh, or `None` if this is a shape that is not made of one mesh.
     #[must_use]
     pub fn mesh(&self) -> Option<PlacedMesh<'_>> {
         match self {
@@ -40,7 +41,7 @@ impl Placed<'_> {
         }
     }
 
-    /// Returns this as a shape, whatever it is.
+    /// Returns this thing as a shape. A mesh becomes the shape of its surface or its solid.
     pub(super) fn shape(&self) -> Cow<'_, PlacedShape> {
         match self {
             Self::Mesh(mesh) => Cow::Owned(PlacedShape::from(*mesh)),
@@ -49,7 +50,7 @@ impl Placed<'_> {
     }
 }
 
-/// Returns both meshes, if both are meshes.
+/// Returns both meshes, or `None` if one of the two things is not a mesh.
 pub(super) fn meshes<'p>(a: &'p Placed<'_>, b: &'p Placed<'_>) -> Option<[PlacedMesh<'p>; 2]> {
     Some([a.mesh()?, b.mesh()?])
 }

@@ -1,23 +1,27 @@
-//! A mesh that meets itself.
+//! The pairs of faces of one mesh that intersect.
 
 use rayon::prelude::*;
 
 use crate::mesh::{Mesh, WantedFaces, collect_self_intersecting};
 
-/// Every pair of faces of one mesh, the lesser first, that meet in more than the hull of the positions that they share;
-/// sorted, without duplicates.
+/// Returns all pairs of faces of one mesh that intersect outside of the corners and edges that they
+/// share. The smaller index comes first; the list is sorted and has no duplicates.
 ///
-/// Faces that share a corner or an edge always meet there, which is not reported; that they go through each other, fold
-/// over each other or lie in each other elsewhere is. Equal positions are shared, whatever the indices, so that the answer
-/// for a soup of triangles is that for the mesh. Copies of one face share all that they have. A face without area is the
-/// segment or point that it spans, by the same rule.
+/// More precisely, a pair is returned if the intersection of its faces is larger than the convex
+/// hull of the positions that they share. So neighbors are returned only if they also go through
+/// each other, fold over each other or overlap elsewhere. Positions are shared if they are equal,
+/// whatever the vertex indices are: a soup of separate triangles gets the same answer as the
+/// connected mesh. Copies of a face share all of their positions and are never returned. A face
+/// without area is the segment or point that it spans, and the same rule applies.
 ///
 /// # Accuracy
-/// Exact.
+/// Exact: there is no tolerance.
 ///
 /// # Complexity
-/// Grows with the pairs of faces whose boxes overlap, on all cores of the current rayon pool. Faces at a corner that more than a
-/// hundred share, such as those of a fan, count only where the boxes of their directions from it overlap.
+/// The time grows with the number of pairs of faces whose boxes overlap. The search runs on all
+/// threads of the current rayon pool. Some corners are shared by more than a hundred faces, such as
+/// the center of a fan. There a pair of faces counts only if the boxes of their directions from the
+/// corner overlap.
 ///
 /// ```
 /// use impinge::{Mesh, Positions, query};

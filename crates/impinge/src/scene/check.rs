@@ -99,7 +99,7 @@ impl Scene {
         })?;
         let (values, status): (Vec<Vec<FoundPair>>, Vec<Status>) = found.into_iter().unzip();
         let answers = Answers { shape: configurations.shape().to_vec(), values, status };
-        Ok(answers.judged(|pairs| pairs.iter().any(|pair| pair.is_undecided)))
+        Ok(answers.mark_undecided(|pairs| pairs.iter().any(|pair| pair.is_undecided)))
     }
 }
 
@@ -209,7 +209,7 @@ impl Check<'_> {
             Question::Penetrates => match penetrates(a, b) {
                 Penetrates::No => Proximity::Apart,
                 Penetrates::Undecided => Proximity::Undecided,
-                Penetrates::Yes => Proximity::Meets,
+                Penetrates::Yes => Proximity::Intersects,
             },
         };
         let is_undecided = proximity == Proximity::Undecided;

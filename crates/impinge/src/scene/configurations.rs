@@ -67,7 +67,7 @@ impl<'s> Configurations<'s> {
         self.rows = broadcast.rows();
         let broadcast = Broadcast::new(&self.shape, poses.shape()).map_err(refused)?;
         let shape = &self.scene.part(part).shape;
-        poses.refuse(|pose| shape.judge(pose));
+        poses.reject_if(|pose| shape.check_pose(pose));
         self.moves.insert(part, Moves { poses, broadcast });
         Ok(())
     }

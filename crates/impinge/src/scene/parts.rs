@@ -80,7 +80,7 @@ impl Scene {
         if self.by_name.contains_key(&name) {
             return Err(SceneError::NameTaken { name });
         }
-        if let Err(error) = shape.judge(&world_from_part) {
+        if let Err(error) = shape.check_pose(&world_from_part) {
             return Err(SceneError::Pose { name, error });
         }
         let Some(number) = u32::try_from(self.parts.len()).ok().filter(|&number| number < u32::MAX) else {

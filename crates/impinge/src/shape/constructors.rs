@@ -1,4 +1,4 @@
-//! The shapes that can be made, and the validation of their numbers.
+//! Constructors of shapes, which validate their numbers.
 
 use std::sync::Arc;
 
@@ -11,117 +11,126 @@ use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 use crate::mesh::{Mesh, SolidMesh};
 
-/// Coordinates and lengths stay below this magnitude: the range of the proofs, that of meshes.
+/// Coordinates and lengths must be below this magnitude, 2^128. The proofs hold below it, as for
+/// meshes.
 const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 
 impl Shape {
-    /// The ball about a centre; a radius of zero makes it that point.
+    /// Returns a sphere about a center, in the frame of the shape. A radius of zero gives a point.
     ///
     /// # Errors
-    /// As all constructors here: [`NonFinite`](InputErrorKind::NonFinite), [`OutOfRange`](InputErrorKind::OutOfRange) (not
-    /// below 2^128), [`Negative`](InputErrorKind::Negative) for lengths.
-    pub fn sphere(centre: [f64; 3], radius: f64) -> Result<Self, InputError> {
-        judge_points("centre", &[centre])?;
-        judge_lengths("radius", &[radius])?;
-        Ok(Self(Kind::Round { core: RoundCore::Few(Corners::few(&[centre])), radius }))
+    /// For this and all other constructors: [`NonFinite`](InputErrorKind::NonFinite) for NaN and
+    /// infinity, [`OutOfRange`](InputErrorKind::OutOfRange) for a magnitude of 2^128 or more, and
+    /// [`Negative`](InputErrorKind::Negative) for a negative length.
+    pub fn sphere(center: [f64; 3], radius: f64) -> Result<Self, InputError> {
+        check_points("center", &[center])?;
+        check_lengths("radius", &[radius])?;
+        Ok(Self(Kind::Round { core: RoundCore::Few(Corners::few(&[center])), radius }))
     }
 
-    /// The points within `radius` of a segment, whose ends may be equal.
+    /// Returns a capsule: the points within `radius` of a segment. The ends of the segment may be
+    /// equal.
     ///
     /// # Errors
-    /// As [`sphere`](Self::sphere).
+    /// As for [`sphere`](Self::sphere).
     pub fn capsule(start: [f64; 3], end: [f64; 3], radius: f64) -> Result<Self, InputError> {
-        judge_points("capsule end", &[start, end])?;
-        judge_lengths("radius", &[radius])?;
+        check_points("capsule end", &[start, end])?;
+        check_lengths("radius", &[radius])?;
         Ok(Self(Kind::Round { core: RoundCore::Few(Corners::few(&[start, end])), radius }))
     }
 
-    /// The box about the origin that reaches as far along each axis as its half-extent says, which may be zero.
+    /// Returns a box about the origin, with sides along the axes. It reaches from minus to plus the
+    /// half-extent along each axis; a half-extent may be zero.
     ///
     /// # Errors
-    /// As [`sphere`](Self::sphere).
+    /// As for [`sphere`](Self::sphere).
     pub fn cuboid(half_extents: [f64; 3]) -> Result<Self, InputError> {
-        judge_lengths("half-extent", &half_extents)?;
+        check_lengths("half-extent", &half_extents)?;
         let corner = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 1 { half_extents[k] } else { -half_extents[k] });
         Self::few("corner", &[0, 1, 2, 3, 4, 5, 6, 7].map(corner))
     }
 
-    /// The cylinder about the z axis, from -`half_height` to `half_height`.
+    /// Returns a cylinder about the z axis, from -`half_height` to `half_height`.
     ///
     /// # Errors
-    /// As [`sphere`](Self::sphere).
+    /// As for [`sphere`](Self::sphere).
     pub fn cylinder(half_height: f64, radius: f64) -> Result<Self, InputError> {
-        judge_lengths("half-height", &[half_height])?;
-        judge_lengths("radius", &[radius])?;
+        check_lengths("half-height", &[half_height])?;
+        check_lengths("radius", &[radius])?;
         Ok(Self::curved(Arc::new(Cylinder { half_height, radius })))
     }
 
-    /// The cone about the z axis with its base of `radius` at -`half_height` and its tip at `half_height`.
+    /// Returns a cone about the z axis. Its base has the given radius and lies at z =
+    /// -`half_height`; its tip lies at z = `half_height`.
     ///
     /// # Errors
-    /// As [`sphere`](Self::sphere).
+    /// As for [`sphere`](Self::sphere).
     pub fn cone(half_height: f64, radius: f64) -> Result<Self, InputError> {
-        judge_lengths("half-height", &[half_height])?;
-        judge_lengths("radius", &[radius])?;
+        check_lengths("half-height", &[half_height])?;
+        check_lengths("radius", &[radius])?;
         Ok(Self::curved(Arc::new(Cone { half_height, radius })))
     }
 
-    /// The ellipsoid about the origin with these half-lengths of its axes, which may be zero; a sphere where all are equal.
+    /// Returns an ellipsoid about the origin. `half_axes` are half the lengths of its axes, which
+    /// may be zero. Three equal half-axes give a sphere.
     ///
     /// # Errors
-    /// As [`sphere`](Self::sphere).
+    /// As for [`sphere`](Self::sphere).
     pub fn ellipsoid(half_axes: [f64; 3]) -> Result<Self, InputError> {
-        judge_lengths("half-axis", &half_axes)?;
+        check_lengths("half-axis", &half_axes)?;
         if half_axes == [half_axes[0]; 3] {
             return Self::sphere([0.0; 3], half_axes[0]);
         }
         Ok(Self::curved(Arc::new(Ellipsoid { half_axes })))
     }
 
-    /// A convex hull.
+    /// Returns the shape of a convex hull, with its interior.
     #[must_use]
     pub fn hull(hull: Arc<Hull>) -> Self {
         Self(Kind::Polytope(Corners::hull(hull)))
     }
 
-    /// A point.
+    /// Returns a point.
     ///
     /// # Errors
-    /// As [`sphere`](Self::sphere).
+    /// As for [`sphere`](Self::sphere).
     pub fn point(point: [f64; 3]) -> Result<Self, InputError> {
         Self::few("point", &[point])
     }
 
-    /// A segment, whose ends may be equal.
+    /// Returns a segment. Its ends may be equal.
     ///
     /// # Errors
-    /// As [`sphere`](Self::sphere).
+    /// As for [`sphere`](Self::sphere).
     pub fn segment(ends: [[f64; 3]; 2]) -> Result<Self, InputError> {
         Self::few("end", &ends)
     }
 
-    /// A triangle, which may have no area.
+    /// Returns a triangle. It may have no area.
     ///
     /// # Errors
-    /// As [`sphere`](Self::sphere).
+    /// As for [`sphere`](Self::sphere).
     pub fn triangle(corners: [[f64; 3]; 3]) -> Result<Self, InputError> {
         Self::few("corner", &corners)
     }
 
-    /// The points x with `normal`·x ≤ `level`; the normal needs no length of 1.
+    /// Returns a half-space: the points x with `normal`·x ≤ `level`. The normal may have any length
+    /// except zero.
     ///
     /// # Errors
-    /// As [`sphere`](Self::sphere), and [`ZeroAxis`](InputErrorKind::ZeroAxis) for a normal of zero.
+    /// As for [`sphere`](Self::sphere), and [`ZeroAxis`](InputErrorKind::ZeroAxis) for a normal of
+    /// zero.
     pub fn half_space(normal: [f64; 3], level: f64) -> Result<Self, InputError> {
-        judge_points("normal", &[normal])?;
-        judge_points("level", &[[level, 0.0, 0.0]])?;
+        check_points("normal", &[normal])?;
+        check_points("level", &[[level, 0.0, 0.0]])?;
         if normal == [0.0; 3] {
             return Err(InputError::new(InputErrorKind::ZeroAxis));
         }
         Ok(Self(Kind::HalfSpace { normal, level }))
     }
 
-    /// Any convex set with a support function, which is taken as round.
+    /// Returns a shape for any convex set with a support function. The accuracy is that of round
+    /// shapes.
     ///
     /// ```
     /// use std::sync::Arc;
@@ -150,19 +159,20 @@ impl Shape {
     /// ```
     ///
     /// # Errors
-    /// As [`sphere`](Self::sphere), of the set's reach.
+    /// As for [`sphere`](Self::sphere), for the numbers of the set's reach.
     pub fn custom(set: Arc<dyn Support>) -> Result<Self, InputError> {
-        judge_lengths("reach", &set.reach())?;
+        check_lengths("reach", &set.reach())?;
         Ok(Self::curved(set))
     }
 
-    /// A mesh as its surface; the mesh is shared by all shapes that are made of it.
+    /// Returns the surface of a mesh. All shapes made of a mesh share its memory.
     #[must_use]
     pub fn mesh(mesh: &Mesh) -> Self {
         Self(Kind::Mesh { mesh: mesh.clone(), is_solid: false })
     }
 
-    /// A mesh with all that it winds round more than half.
+    /// Returns a mesh as a solid: its surface and all points whose winding number is above one
+    /// half.
     ///
     /// ```
     /// use impinge::{Mesh, Pose, Positions, Shape, query};
@@ -179,7 +189,8 @@ impl Shape {
         Self(Kind::Mesh { mesh: mesh.clone(), is_solid: true })
     }
 
-    /// The mesh that the shape is, and whether it is solid; none where it is something else.
+    /// Returns the mesh that the shape is made of, and whether it is solid. Returns `None` for any
+    /// other shape.
     #[must_use]
     pub fn as_mesh(&self) -> Option<(&Mesh, bool)> {
         match &self.0 {
@@ -188,8 +199,9 @@ impl Shape {
         }
     }
 
-    /// All of some shapes, each at its place in the frame of the compound. Contacts name parts by their row here; the parts of
-    /// a compound among them count one by one.
+    /// Returns a compound: the union of some shapes, each at a pose in the frame of the compound.
+    /// Contacts name parts by their index in `parts`. A compound among the parts is replaced by its
+    /// own parts, each of which has an index of its own.
     ///
     /// ```
     /// use impinge::{Pose, Shape, query};
@@ -205,11 +217,12 @@ impl Shape {
     /// ```
     ///
     /// # Accuracy
-    /// A part's place in the world is the product of its pose and the compound's, rounded ([`Pose::compose`]); what is said of
-    /// the compound is said of its parts there.
+    /// The pose of a part in the world is the product of its pose and the compound's pose, rounded
+    /// ([`Pose::compose`]). Answers about the compound are answers about its parts at these poses.
     ///
     /// # Errors
-    /// [`Empty`](InputErrorKind::Empty) without shapes; where poses of compounds in compounds cannot be composed.
+    /// [`Empty`](InputErrorKind::Empty) if there are no parts. The errors of [`Pose::compose`], if
+    /// the poses of nested compounds cannot be composed.
     pub fn compound(parts: &[(Self, Pose)]) -> Result<Self, InputError> {
         if parts.is_empty() {
             return Err(InputError::new(InputErrorKind::Empty { what: "parts" }));
@@ -228,11 +241,13 @@ impl Shape {
         Ok(Self(Kind::Compound(single.into())))
     }
 
+    /// Returns the convex hull of a few points.
     fn few(what: &'static str, points: &[[f64; 3]]) -> Result<Self, InputError> {
-        judge_points(what, points)?;
+        check_points(what, points)?;
         Ok(Self(Kind::Polytope(Corners::few(points))))
     }
 
+    /// Returns a shape of a round set without a radius.
     fn curved(set: Arc<dyn Support>) -> Self {
         Self(Kind::Round { core: RoundCore::Curved(set), radius: 0.0 })
     }
@@ -245,7 +260,7 @@ impl From<&Shape> for Shape {
 }
 
 impl From<&Mesh> for Shape {
-    /// The surface of the mesh.
+    /// Returns the surface of the mesh.
     fn from(mesh: &Mesh) -> Self {
         Self::mesh(mesh)
     }
@@ -257,7 +272,7 @@ impl From<SolidMesh<'_>> for Shape {
     }
 }
 
-fn judge_points(what: &'static str, points: &[[f64; 3]]) -> Result<(), InputError> {
+fn check_points(what: &'static str, points: &[[f64; 3]]) -> Result<(), InputError> {
     for (index, point) in points.iter().enumerate() {
         if !point.iter().all(|x| x.is_finite()) {
             return Err(InputError::new(InputErrorKind::NonFinite { what, index }));
@@ -269,7 +284,7 @@ fn judge_points(what: &'static str, points: &[[f64; 3]]) -> Result<(), InputErro
     Ok(())
 }
 
-fn judge_lengths(what: &'static str, lengths: &[f64]) -> Result<(), InputError> {
+fn check_lengths(what: &'static str, lengths: &[f64]) -> Result<(), InputError> {
     for (index, &length) in lengths.iter().enumerate() {
         if !length.is_finite() {
             return Err(InputError::new(InputErrorKind::NonFinite { what, index }));

@@ -1,4 +1,5 @@
-//! The corners of a polytope, and what contacts want to know about them, which is found when it is first asked for.
+//! The corners of a polytope, and its facets for contacts, which are computed when they are first
+//! needed.
 
 use std::sync::{Arc, OnceLock};
 
@@ -6,7 +7,7 @@ use crate::convex::{Core, Facets};
 use crate::hull::Hull;
 use crate::simd::prefetch;
 
-/// A few points, or a hull; cheap to clone.
+/// Corners of a few points or of a hull. Cloning them is fast.
 #[derive(Clone, Debug)]
 pub(super) enum Corners {
     Few(Arc<Faceted<Box<[[f64; 3]]>>>),
@@ -27,7 +28,7 @@ impl<T> Faceted<T> {
 }
 
 impl Corners {
-    /// Points that were judged.
+    /// Returns the corners of points that are already validated.
     pub(super) fn few(points: &[[f64; 3]]) -> Self {
         Self::Few(Arc::new(Faceted::new(points.into())))
     }
@@ -43,7 +44,7 @@ impl Corners {
         }
     }
 
-    /// Asks for the memory that says where they are.
+    /// Prefetches the pointer to the corners.
     pub(super) fn prefetch(&self) {
         match self {
             Self::Few(few) => prefetch(&few.corners),

@@ -2,7 +2,7 @@
 
 use crate::convex::{HalfSpace, Surface, Swept};
 
-/// What a verb makes of a placed shape, or of a part of a compound: one of the three representations.
+/// Representation of a placed shape, or of a part of a compound, in a query.
 pub(crate) enum Form<'a> {
     Convex(Swept<'a>),
     HalfSpace(Box<HalfSpace<'a>>),

@@ -1,4 +1,4 @@
-//! A shape and what it is made of.
+//! A shape and its contents.
 
 use std::sync::Arc;
 
@@ -7,7 +7,10 @@ use crate::convex::Support;
 use crate::math::Pose;
 use crate::mesh::Mesh;
 
-/// A shape in its own frame; cheap to clone.
+/// A shape in its own frame. Cloning it is fast, because copies share their memory.
+///
+/// A shape that exists is valid: its numbers were validated when it was made. [`at`](Self::at)
+/// places it in the world, and [`query`](crate::query) compares placed shapes.
 ///
 /// ```
 /// use impinge::{Pose, Shape, query};
@@ -21,22 +24,22 @@ use crate::mesh::Mesh;
 #[derive(Clone, Debug)]
 pub struct Shape(pub(super) Kind);
 
-/// What a shape is made of.
+/// Contents of a shape.
 #[derive(Clone, Debug)]
 pub(super) enum Kind {
-    /// A polytope without a radius, which any affine map takes to another.
+    /// A polytope without a radius. Any affine map takes it to another polytope.
     Polytope(Corners),
-    /// What only a rigid motion takes to its like.
+    /// A round shape, for which only a rigid motion gives a shape of the same kind.
     Round { core: RoundCore, radius: f64 },
-    /// {v : normal·v ≤ level}.
+    /// The half-space {v : normal·v ≤ level}.
     HalfSpace { normal: [f64; 3], level: f64 },
-    /// Triangles, and what they wind round if it is solid.
+    /// A mesh, as its surface or as a solid.
     Mesh { mesh: Mesh, is_solid: bool },
-    /// Shapes that are none of these themselves, and where they are.
+    /// Parts with their poses in the frame of the compound. No part is a compound itself.
     Compound(Arc<[(Shape, Pose)]>),
 }
 
-/// The core of a round shape.
+/// Core of a round shape.
 #[derive(Clone, Debug)]
 pub(super) enum RoundCore {
     Few(Corners),

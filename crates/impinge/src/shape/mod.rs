@@ -1,11 +1,16 @@
-//! Shapes in their own frames and placed in the world: convex ones, half-spaces, meshes, and compounds of these.
+//! Shapes in their own frames, and shapes placed in the world: convex shapes, half-spaces, meshes,
+//! and compounds of these.
 //!
-//! There are three representations, so that any two shapes can be asked anything without a routine for each pair: a *core*
-//! with a support function, swept by a ball; a half-space; a mesh. A sphere is a point and a radius, a capsule a segment and
-//! one; all other convex shapes have no radius. A compound is asked part by part.
+//! Every shape has one of three representations, so that any two shapes can be compared without a
+//! kernel for each pair of kinds. The representations are a *core* with a support function, swept
+//! by a sphere; a half-space; and a mesh. A sphere is a point and a radius, a capsule a segment and
+//! a radius. All other convex shapes have no radius. A compound is compared part by part.
 //!
-//! `kind` has a shape and what it is made of, of `corners` or of the sets in `round`, and `constructors` makes shapes. `placed` puts
-//! them into the world, `part_tree` finds the parts of a placed compound, and `form` has the three representations.
+//! `kind` has a shape and its contents, which are `corners` or the sets in `round`. `constructors`
+//! makes and validates shapes. `placed` places them in the world, `part_tree` finds the parts of a
+//! placed compound, and `form` has the three representations.
+//!
+//! Tests: `tests/it/shapes`. Benchmark: `shapes`.
 
 mod constructors;
 mod corners;

@@ -1,27 +1,28 @@
-//! The parts of a placed compound, found by where they are.
+//! A tree that finds the parts of a placed compound by their boxes.
 
 use std::ops::ControlFlow;
 
 use crate::partition::{BoxTree, Partition};
 use crate::volume::MinMax;
 
-/// Compounds of fewer parts have no tree: their boxes are looked at one by one, which takes no longer.
-const FEW: usize = 16;
+/// Minimum number of parts of a compound for which a tree is built. For fewer parts it takes no
+/// longer to test their boxes one by one.
+const MIN_TREE_PARTS: usize = 16;
 
-/// The parts of a compound by their boxes in the world.
+/// Tree over the parts of a compound by their boxes in the world.
 #[derive(Clone, Debug)]
 pub(super) struct PartTree {
     tree: BoxTree,
-    /// The part of each box of the tree.
+    /// Number of the part of each box of the tree.
     part_of: Vec<u32>,
-    /// Parts that have no box, as half-spaces have none, ascending.
+    /// Parts without a box, such as half-spaces, in ascending order.
     boundless: Vec<u32>,
 }
 
 impl PartTree {
-    /// The tree of parts with these boxes; none for a few parts.
+    /// Returns the tree of parts with these boxes, or `None` if there are few parts.
     pub(super) fn of(parts: impl ExactSizeIterator<Item = Option<[[f64; 3]; 2]>>) -> Option<Self> {
-        if parts.len() < FEW {
+        if parts.len() < MIN_TREE_PARTS {
             return None;
         }
         let (mut boxes, mut part_of, mut boundless) = (Vec::new(), Vec::new(), Vec::new());
@@ -37,7 +38,8 @@ impl PartTree {
         Some(Self { tree: BoxTree::build(&boxes), part_of, boundless })
     }
 
-    /// The numbers of the parts that may be within a distance of a box, ascending; none where the box is out of range.
+    /// Returns the numbers of the parts that may be within `reach` of a box, in ascending order.
+    /// Returns `None` if there is no box or if it is out of range.
     pub(super) fn near(&self, bounds: Option<[[f64; 3]; 2]>, reach: f64) -> Option<Vec<u32>> {
         let Self { tree, part_of, boundless } = self;
         let enlarged = bounds.and_then(|[min, max]| {
@@ -53,7 +55,7 @@ impl PartTree {
         Some(near)
     }
 
-    /// A part whose box is as near to a point as any.
+    /// Returns a part whose box is nearest to a point. Returns `None` if no part has a box.
     pub(super) fn nearest(&self, point: [f64; 3]) -> Option<u32> {
         self.tree.nearest(point, 1).first().map(|found| self.part_of[found.key as usize])
     }

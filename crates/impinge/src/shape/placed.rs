@@ -1,4 +1,4 @@
-//! Shapes in the world.
+//! Shapes placed in the world.
 
 use std::sync::Arc;
 
@@ -12,19 +12,19 @@ use crate::mesh::PlacedMesh;
 use crate::simd::prefetch;
 use crate::volume::stretch;
 
-/// Corners of which the memory is asked for: those of a box.
-const MOST_ASKED: usize = 8;
+/// Maximum number of corners that are prefetched: those of a box.
+const MAX_PREFETCHED_CORNERS: usize = 8;
 
-/// A shape in the world.
+/// A shape in the world: a [`Shape`] with a pose that it accepts.
 #[derive(Clone, Debug)]
 pub struct PlacedShape {
     pub(super) kind: Kind,
     pub(super) stand: Stand,
-    /// Of a compound.
+    /// Placed parts, if the shape is a compound.
     pub(super) parts: Option<Arc<Parts>>,
 }
 
-/// The parts of a placed compound, which are no compounds.
+/// Parts of a placed compound. No part is a compound itself.
 #[derive(Clone, Debug)]
 pub(super) struct Parts {
     pub(super) all: Vec<PlacedShape>,
@@ -38,18 +38,20 @@ impl Parts {
     }
 }
 
-/// Where a shape stands, and what comes of it; the parts of a compound have places of their own.
+/// Pose of a shape, and the values that follow from it. The parts of a compound have poses of their
+/// own.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stand {
     pub(super) world_from_local: Pose,
-    /// The radius of a ball that is in the image of the shape's, and of one that holds it.
+    /// Radius of a sphere that the image of the shape's sphere contains, and of a sphere that
+    /// contains the image.
     pub(super) radius: [f64; 2],
-    /// Holds the shape, where that is finite.
+    /// Box in the world frame that contains the shape, if it is bounded.
     pub(super) bounds: Option<[[f64; 3]; 2]>,
 }
 
 impl Stand {
-    /// Before anything is known but the pose.
+    /// Returns a pose without the values that follow from it.
     pub(super) fn at(world_from_local: Pose) -> Self {
         Self { world_from_local, radius: [0.0; 2], bounds: None }
     }
@@ -58,19 +60,21 @@ impl Stand {
         &self.world_from_local
     }
 
-    /// As [`PlacedShape::bounds`].
+    /// Returns the box of the shape, as [`PlacedShape::bounds`] does.
     pub(crate) fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         self.bounds
     }
 }
 
 impl Shape {
-    /// This shape in the world.
+    /// Returns this shape at a pose in the world. The pose maps the shape's frame to the world
+    /// frame.
     ///
     /// # Errors
-    /// [`NotRigid`](crate::InputErrorKind::NotRigid) where a pose is more than 1e-4 from a rigid motion, for spheres, capsules,
-    /// cylinders, cones, ellipsoids and custom sets. All others are at home under any affine map. For a compound, where its pose
-    /// cannot be composed with a part's.
+    /// [`NotRigid`](crate::InputErrorKind::NotRigid) if the pose is more than 1e-4 from a rigid
+    /// motion and the shape is a sphere, capsule, cylinder, cone, ellipsoid or custom set. All
+    /// other shapes accept any affine pose. For a compound also the errors of [`Pose::compose`], if
+    /// its pose cannot be composed with the pose of a part.
     pub fn at(&self, world_from_local: Pose) -> Result<PlacedShape, InputError> {
         let parts = match &self.0 {
             Kind::Compound(shapes) => {
@@ -91,56 +95,56 @@ impl Shape {
 }
 
 impl Shape {
-    /// Reports whether the shape can stand at any pose: it is a polytope, a half-space or a mesh.
+    /// Reports whether the shape accepts every pose: it is a polytope, a half-space or a mesh.
     pub(crate) fn is_affine(&self) -> bool {
         matches!(&self.0, Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. })
     }
 
-    /// Reports whether the shape can stand at a pose, without placing it.
+    /// Checks whether the shape accepts a pose, without placing it.
     ///
     /// # Errors
-    /// As [`at`](Self::at).
-    pub(crate) fn judge(&self, world_from_local: &Pose) -> Result<(), InputError> {
+    /// As for [`at`](Self::at).
+    pub(crate) fn check_pose(&self, world_from_local: &Pose) -> Result<(), InputError> {
         match &self.0 {
             Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. } => Ok(()),
             Kind::Round { radius, .. } => images_of_radius(*radius, world_from_local).map(drop),
-            Kind::Compound(parts) => parts
-                .iter()
-                .try_for_each(|(part, compound_from_part)| part.judge(&world_from_local.compose(compound_from_part)?)),
+            Kind::Compound(parts) => parts.iter().try_for_each(|(part, compound_from_part)| {
+                part.check_pose(&world_from_local.compose(compound_from_part)?)
+            }),
         }
     }
 }
 
 impl PlacedShape {
-    /// Where the shape is.
+    /// Returns the pose of the shape, which maps its frame to the world frame.
     #[must_use]
     pub fn world_from_local(&self) -> &Pose {
         &self.stand.world_from_local
     }
 
-    /// A box in the world frame, its least corner and its greatest, that holds the shape; none where the shape is or has a
-    /// half-space, and where there is nothing to hold.
+    /// Returns the lower and the upper corner of a box in the world frame that contains the shape.
+    /// Returns `None` if the shape is or contains a half-space, or if it is empty.
     #[must_use]
     pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         self.stand.bounds
     }
 
-    /// Where it stands.
+    /// Returns the pose and the values that follow from it.
     pub(crate) fn stand(&self) -> &Stand {
         &self.stand
     }
 
-    /// Whether the shape is or has a half-space.
+    /// Reports whether the shape is or contains a half-space.
     pub(crate) fn is_unbounded(&self) -> bool {
         self.parts().iter().any(|part| matches!(part.kind, Kind::HalfSpace { .. }))
     }
 
-    /// The parts that verbs are asked of: this shape, or those of a compound.
+    /// Returns the parts that queries compare: the parts of a compound, or else this shape alone.
     pub(crate) fn parts(&self) -> &[Self] {
         self.parts.as_ref().map_or(std::slice::from_ref(self), |parts| &parts.all)
     }
 
-    /// Returns the one mesh that the shape is made of; none if it is something else.
+    /// Returns the one mesh that the shape is made of, or `None` if it is something else.
     pub(crate) fn as_mesh(&self) -> Option<PlacedMesh<'_>> {
         let [part] = self.parts() else { return None };
         match &part.kind {
@@ -151,18 +155,19 @@ impl PlacedShape {
         }
     }
 
-    /// This shape elsewhere.
+    /// Returns this shape at another pose.
     ///
     /// # Errors
-    /// As [`Shape::at`].
+    /// As for [`Shape::at`].
     pub(crate) fn moved_to(&self, world_from_local: Pose) -> Result<Self, InputError> {
         Shape(self.kind.clone()).at(world_from_local)
     }
 
-    /// How the shape stands elsewhere; none for a compound, of which each part does.
+    /// Returns the values that follow from another pose, or `None` for a compound, whose parts have
+    /// them.
     ///
     /// # Errors
-    /// As [`Shape::at`].
+    /// As for [`Shape::at`].
     pub(crate) fn stand_at(&self, world_from_local: &Pose) -> Result<Option<Stand>, InputError> {
         let mut stand = Stand::at(*world_from_local);
         match &self.kind {
@@ -178,33 +183,34 @@ impl PlacedShape {
         Ok(Some(stand))
     }
 
-    /// Moves the shape to where it stands by [`stand_at`](Self::stand_at).
+    /// Moves the shape to a pose whose values [`stand_at`](Self::stand_at) returned.
     pub(crate) fn follow(&mut self, stand: Stand) {
         self.stand = stand;
     }
 
-    /// Asks for the memory where the corners of a polytope are said to be.
+    /// Prefetches the pointer to the corners of a polytope.
     pub(crate) fn prefetch(&self) {
         if let Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } = &self.kind {
             corners.prefetch();
         }
     }
 
-    /// Asks for the memory of a few corners, which reads where they are.
+    /// Prefetches a few corners. This reads the pointer to them.
     pub(crate) fn prefetch_corners(&self) {
         if let Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } = &self.kind
             && let Core::Points(points) = corners.core()
         {
-            points.iter().take(MOST_ASKED).step_by(2).for_each(prefetch);
+            points.iter().take(MAX_PREFETCHED_CORNERS).step_by(2).for_each(prefetch);
         }
     }
 
-    /// What a part is; a compound, which is asked part by part, counts as its first.
+    /// Returns the representation of a part. A compound has none of its own and returns that of its
+    /// first part.
     pub(crate) fn form(&self) -> Form<'_> {
         self.form_at(&self.stand)
     }
 
-    /// As [`form`](Self::form), if the shape stood so.
+    /// Returns the representation that the part would have at another pose.
     pub(crate) fn form_at<'a>(&'a self, stand: &'a Stand) -> Form<'a> {
         let (pose, radius) = (&stand.world_from_local, stand.radius);
         let core = match &self.kind {
@@ -219,7 +225,7 @@ impl PlacedShape {
         Form::Convex(Swept { core, pose, radius })
     }
 
-    /// A swept core of this shape with its facets, where it is a polytope.
+    /// Returns a swept core of this shape with its facets, if it is a polytope.
     pub(crate) fn faceted<'a>(&'a self, swept: Swept<'a>) -> Faceted<'a> {
         let facets = match &self.kind {
             Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.facets(),
@@ -228,21 +234,24 @@ impl PlacedShape {
         Faceted { swept, facets }
     }
 
-    /// The numbers of the parts that may be within a distance of a box, ascending; all of them for what has no box.
+    /// Returns the numbers of the parts that may be within `reach` of a box, in ascending order.
+    /// Returns all parts if there is no box.
     pub(crate) fn parts_near(&self, bounds: Option<[[f64; 3]; 2]>, reach: f64) -> Vec<u32> {
         let near = self.part_tree().and_then(|tree| tree.near(bounds, reach));
         near.unwrap_or_else(|| (0..self.parts().len() as u32).collect())
     }
 
-    /// A part whose box is as near to a point as any, where there is a tree to tell.
+    /// Returns a part whose box is nearest to a point, or `None` if there is no tree.
     pub(crate) fn part_nearest(&self, point: [f64; 3]) -> Option<u32> {
         self.part_tree()?.nearest(point)
     }
 
+    /// Returns the tree over the parts, if this is a compound of many parts.
     fn part_tree(&self) -> Option<&PartTree> {
         self.parts.as_deref()?.tree.as_ref()
     }
 
+    /// Computes a box in the world frame that contains all parts, if they are bounded.
     fn world_bounds(&self) -> Option<[[f64; 3]; 2]> {
         let mut all: Option<[[f64; 3]; 2]> = None;
         for part in self.parts() {
@@ -270,12 +279,12 @@ impl From<PlacedMesh<'_>> for PlacedShape {
     }
 }
 
-/// The radius of a ball that the image of a ball holds, and of one that holds it; both are the ball's own where the pose is
-/// exactly orthogonal.
+/// Returns the radius of a sphere that the image of a sphere contains, and of a sphere that
+/// contains the image. Both are equal to `radius` if the pose is exactly orthogonal.
 ///
 /// # Accuracy
-/// With s the bound of the greatest singular value and δ = ‖RᵀR - I‖, s - 1 is at least δ/2, and the least singular value is at
-/// least √(1 - δ) ≥ 1 - δ/2 - δ²/2.
+/// With s the bound of the largest singular value and δ = ‖RᵀR - I‖, s - 1 is at least δ/2, and the
+/// smallest singular value is at least √(1 - δ) ≥ 1 - δ/2 - δ²/2.
 pub(super) fn images_of_radius(radius: f64, pose: &Pose) -> Result<[f64; 2], InputError> {
     let beyond = stretch(pose)? - 1.0;
     if beyond == 0.0 {

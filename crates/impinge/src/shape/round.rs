@@ -1,22 +1,23 @@
-//! The support functions of round shapes. Directions come with their greatest entry at ±1, so their squares do not overflow.
+//! Support functions of round shapes. The largest entry of a direction is ±1, so that squares of
+//! its entries do not overflow.
 
 use crate::convex::Support;
 
-/// About the z axis.
+/// A cylinder about the z axis.
 #[derive(Debug)]
 pub(super) struct Cylinder {
     pub(super) half_height: f64,
     pub(super) radius: f64,
 }
 
-/// About the z axis, its tip upwards.
+/// A cone about the z axis, with its tip upwards.
 #[derive(Debug)]
 pub(super) struct Cone {
     pub(super) half_height: f64,
     pub(super) radius: f64,
 }
 
-/// About the origin.
+/// An ellipsoid about the origin, with its axes along the coordinate axes.
 #[derive(Debug)]
 pub(super) struct Ellipsoid {
     pub(super) half_axes: [f64; 3],
@@ -47,7 +48,8 @@ impl Support for Cone {
 
 impl Support for Ellipsoid {
     fn support(&self, direction: [f64; 3]) -> [f64; 3] {
-        // The image of the unit ball under a stretch: that of the point of the ball along the stretched direction.
+        // The ellipsoid is the image of the unit sphere under a stretch. Its support point is the
+        // image of the sphere's point along the stretched direction.
         let greatest = self.half_axes.into_iter().fold(0.0, f64::max);
         let stretched: [f64; 3] = std::array::from_fn(|k| self.half_axes[k] / greatest * direction[k]);
         let length = stretched.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -59,8 +61,8 @@ impl Support for Ellipsoid {
     }
 }
 
-/// The point of a circle about the z axis that is farthest along a direction, its centre where none is, and how long the
-/// direction is across the axis.
+/// Returns the point of a circle about the z axis that is farthest along a direction, and the
+/// length of the direction across the axis. The point is the center if that length is zero.
 fn on_circle(direction: [f64; 3], radius: f64) -> ([f64; 2], f64) {
     let [x, y, _] = direction;
     let across = (x * x + y * y).sqrt();

@@ -8,7 +8,7 @@
 //! Source: Curtis, Tamstorf, Manocha, *Fast Collision Detection for Deformable Models using
 //! Representative-Triangles*, I3D 2008.
 //!
-//! The proof is docs/proof.md, L25. The tests are in `tests/it/sweep/deforming.rs`.
+//! The proof is docs/notes/proof.md, L25. The tests are in `tests/it/sweep/deforming.rs`.
 
 use rayon::prelude::*;
 

@@ -10,8 +10,8 @@
 //! 2021, halve time and both parameters of the face. So ours distinguishes a miss from contact
 //! however narrow it is.
 //!
-//! The proof is docs/proof.md, L23. The tests are in `tests/it/sweep`, and the benchmark is `ccd`
-//! in `impinge-bench`.
+//! The proof is docs/notes/proof.md, L23. The tests are in `tests/it/sweep`, and the benchmark is
+//! `ccd` in `impinge-bench`.
 
 use super::exact::Exact;
 use super::floats::{Floats, Verdict, are_always_apart};

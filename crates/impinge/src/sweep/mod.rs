@@ -4,7 +4,7 @@
 //! - `linear` handles a vertex and a face, or two edges, whose corners move along lines;
 //! - `deforming` handles surfaces whose vertices move along lines.
 //!
-//! The proofs are in docs/proof.md, L23 to L25. The tests are in `tests/it/sweep`, and the
+//! The proofs are in docs/notes/proof.md, L23 to L25. The tests are in `tests/it/sweep`, and the
 //! benchmark is `ccd` in `impinge-bench`.
 
 mod batch;

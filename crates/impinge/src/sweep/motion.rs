@@ -4,7 +4,7 @@
 //! quaternion of a small angle, computed by its series, and squared as often as the angle was
 //! halved.
 //!
-//! The proof is docs/proof.md, L24. The tests are in `tests/it/sweep/rigid.rs`.
+//! The proof is docs/notes/proof.md, L24. The tests are in `tests/it/sweep/rigid.rs`.
 
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;

@@ -65,7 +65,7 @@ impl Capsule {
     /// Returns the capsule around a segment that encloses the given spheres (centers and radii).
     pub(super) fn about(ends: [[f64; 3]; 2], spheres: &[([f64; 3], f64)]) -> Self {
         let core = Self { ends, radius: 0.0 }.core();
-        let reach = |&(centre, radius): &([f64; 3], f64)| add_up(round::distance_to_core(centre, &core), radius);
+        let reach = |&(center, radius): &([f64; 3], f64)| add_up(round::distance_to_core(center, &core), radius);
         Self { ends, radius: spheres.iter().map(reach).fold(0.0, f64::max) }
     }
 }

@@ -76,7 +76,7 @@ impl Lozenge {
     /// Returns the lozenge around a rectangle that encloses the given spheres (centers and radii).
     pub(super) fn about(corner: [f64; 3], edges: [[f64; 3]; 2], spheres: &[([f64; 3], f64)]) -> Self {
         let core = Core { corner, edges, dimension: 2 };
-        let reach = |&(centre, radius): &([f64; 3], f64)| add_up(round::distance_to_core(centre, &core), radius);
+        let reach = |&(center, radius): &([f64; 3], f64)| add_up(round::distance_to_core(center, &core), radius);
         Self { corner, edges, radius: spheres.iter().map(reach).fold(0.0, f64::max) }
     }
 

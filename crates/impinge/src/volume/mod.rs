@@ -4,8 +4,8 @@
 //! | volume | bytes | shape |
 //! |---|---|---|
 //! | [`Aabb`] | 24 | axis-aligned box in single precision, for trees |
-//! | [`MinMax`], [`MinWidths`], [`CentreRadius`] | 48 | the three forms of an axis-aligned box |
-//! | [`PackedMinWidths`], [`PackedCentreRadius`] | 20, 16 | the last two with integer extents |
+//! | [`MinMax`], [`MinWidths`], [`CenterRadius`] | 48 | the three forms of an axis-aligned box |
+//! | [`PackedMinWidths`], [`PackedCenterRadius`] | 20, 16 | the last two with integer extents |
 //! | [`BoundingSphere`] | 32 | center and radius |
 //! | [`Capsule`] | 56 | a segment swept by a sphere |
 //! | [`Lozenge`] | 80 | a rectangle swept by a sphere |
@@ -21,7 +21,7 @@ mod aabb;
 mod batch;
 mod bounding;
 mod capsule;
-mod centre_radius;
+mod center_radius;
 mod core;
 pub mod fit;
 mod implementations;
@@ -43,13 +43,13 @@ pub use aabb::Aabb;
 pub use batch::AabbBatch;
 pub use bounding::BoundingVolume;
 pub use capsule::Capsule;
-pub use centre_radius::CentreRadius;
+pub use center_radius::CenterRadius;
 pub use kdop::{Kdop, Kdop14, Kdop18, Kdop26};
 pub use lozenge::Lozenge;
 pub use min_max::MinMax;
 pub use min_widths::MinWidths;
 pub use obb::Obb;
-pub use packed::{PackedCentreRadius, PackedMinWidths, Steps};
+pub use packed::{PackedCenterRadius, PackedMinWidths, Steps};
 pub use proxies::{Proxies, ProxyFlaw};
 pub(crate) use rigid::stretch;
 pub use round::{DistanceBounds, Proximity, Round};

@@ -12,7 +12,7 @@ use crate::math::vec3::{add, dot, normalized, scale, sub};
 /// be orthonormalized first.
 const MAX_DEVIATION: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// The points `centre + Σ tᵢ axisᵢ` with |tᵢ| ≤ half-extentᵢ.
+/// The points `center + Σ tᵢ axisᵢ` with |tᵢ| ≤ half-extentᵢ.
 ///
 /// The axes are doubles, so they are orthonormal only up to rounding. The set is the parallelepiped
 /// that the numbers define; constructions enlarge the half-extents by that deviation.
@@ -26,7 +26,7 @@ const MAX_DEVIATION: f64 = 1.0 / (1_u64 << 40) as f64;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obb {
-    pub(super) centre: [f64; 3],
+    pub(super) center: [f64; 3],
     pub(super) axes: [[f64; 3]; 3],
     pub(super) half_extents: [f64; 3],
 }
@@ -42,21 +42,21 @@ impl Obb {
     /// [`Negative`](InputErrorKind::Negative) for a negative half-extent, and
     /// [`NotRigid`](InputErrorKind::NotRigid) if the axes deviate from orthonormal ones by more
     /// than 2^-40.
-    pub fn new(centre: [f64; 3], axes: [[f64; 3]; 3], half_extents: [f64; 3]) -> Result<Self, InputError> {
-        in_range("box center or axis", centre.into_iter().chain(axes.into_iter().flatten()))?;
+    pub fn new(center: [f64; 3], axes: [[f64; 3]; 3], half_extents: [f64; 3]) -> Result<Self, InputError> {
+        in_range("box center or axis", center.into_iter().chain(axes.into_iter().flatten()))?;
         lengths_in_range("half-extent", half_extents)?;
         let deviation = deviation(&axes);
         if deviation > MAX_DEVIATION {
             return Err(InputError::new(InputErrorKind::NotRigid { deviation })
                 .with_hint("the axes of a box must be orthonormal: normalize them and make them perpendicular"));
         }
-        Ok(Self { centre, axes, half_extents })
+        Ok(Self { center, axes, half_extents })
     }
 
     /// Returns the center.
     #[must_use]
-    pub fn centre(&self) -> [f64; 3] {
-        self.centre
+    pub fn center(&self) -> [f64; 3] {
+        self.center
     }
 
     /// Returns the axes, one per row.
@@ -72,32 +72,32 @@ impl Obb {
     }
 
     /// Returns a box with the given center and axes that encloses every point x whose projections
-    /// are within `reach`: `|axis · (x - centre)| ≤ reach` on each axis. The axes must be
+    /// are within `reach`: `|axis · (x - center)| ≤ reach` on each axis. The axes must be
     /// orthonormal up to rounding; the half-extents are rounded up.
     ///
     /// With y the projections and s the coordinates of a point, y = G s for the Gram matrix G of
     /// the axes. So |s - y| ≤ κ |s| ≤ κ / (1 - κ) |y| in the maximum norm, with κ the norm of G -
     /// I.
-    pub(super) fn of_reach(centre: [f64; 3], axes: [[f64; 3]; 3], reach: [f64; 3]) -> Self {
+    pub(super) fn of_reach(center: [f64; 3], axes: [[f64; 3]; 3], reach: [f64; 3]) -> Self {
         let deviation = deviation(&axes);
         let largest = reach.into_iter().fold(0.0, f64::max);
         // κ is below 2^-40, so 2 κ exceeds κ / (1 - κ).
         let skew = mul_up(2.0 * deviation, largest);
-        Self { centre, axes, half_extents: reach.map(|y| add_up(y, skew)) }
+        Self { center, axes, half_extents: reach.map(|y| add_up(y, skew)) }
     }
 
     /// Returns the box with the given center and axes that encloses the points. The axes must be
     /// orthonormal up to rounding.
-    pub(super) fn about(centre: [f64; 3], axes: [[f64; 3]; 3], points: &[[f64; 3]]) -> Self {
-        let reach = |axis| points.iter().map(|&point| projection_up(axis, point, centre)).fold(0.0, f64::max);
-        Self::of_reach(centre, axes, axes.map(reach))
+    pub(super) fn about(center: [f64; 3], axes: [[f64; 3]; 3], points: &[[f64; 3]]) -> Self {
+        let reach = |axis| points.iter().map(|&point| projection_up(axis, point, center)).fold(0.0, f64::max);
+        Self::of_reach(center, axes, axes.map(reach))
     }
 
     /// Returns the eight corners, rounded.
     #[must_use]
     pub fn corners(&self) -> [[f64; 3]; 8] {
         std::array::from_fn(|corner| {
-            (0..3).fold(self.centre, |sum, k| {
+            (0..3).fold(self.center, |sum, k| {
                 let t = if corner >> k & 1 == 1 { self.half_extents[k] } else { -self.half_extents[k] };
                 add(&sum, &scale(&self.axes[k], t))
             })
@@ -106,38 +106,38 @@ impl Obb {
 
     /// Returns a box with the given axes that encloses several parallelepipeds.
     pub(super) fn around(axes: [[f64; 3]; 3], parts: &[Generated]) -> Self {
-        let origin = parts[0].centre;
+        let origin = parts[0].center;
         let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
         for part in parts {
             for (range, &axis) in ranges.iter_mut().zip(&axes) {
-                let middle = dot(&axis, &sub(&part.centre, &origin));
+                let middle = dot(&axis, &sub(&part.center, &origin));
                 let half: f64 = (0..3).map(|k| part.half_extents[k] * dot(&axis, &part.generators[k]).abs()).sum();
                 *range = [range[0].min(middle - half), range[1].max(middle + half)];
             }
         }
         let middle = |k: usize| scale(&axes[k], 0.5 * (ranges[k][0] + ranges[k][1]));
-        let centre = (0..3).map(middle).fold(origin, |sum, middle| add(&sum, &middle));
-        let reach = axes.map(|axis| parts.iter().map(|part| part.reach(axis, centre)).fold(0.0, f64::max));
-        Self::of_reach(centre, axes, reach)
+        let center = (0..3).map(middle).fold(origin, |sum, middle| add(&sum, &middle));
+        let reach = axes.map(|axis| parts.iter().map(|part| part.reach(axis, center)).fold(0.0, f64::max));
+        Self::of_reach(center, axes, reach)
     }
 
     pub(super) fn generated(&self) -> Generated {
-        Generated { centre: self.centre, generators: self.axes, half_extents: self.half_extents, error: 0.0 }
+        Generated { center: self.center, generators: self.axes, half_extents: self.half_extents, error: 0.0 }
     }
 }
 
 /// A parallelepiped with arbitrary generators. Each of its points has an error of up to `error`.
 pub(super) struct Generated {
-    pub(super) centre: [f64; 3],
+    pub(super) center: [f64; 3],
     pub(super) generators: [[f64; 3]; 3],
     pub(super) half_extents: [f64; 3],
     pub(super) error: f64,
 }
 
 impl Generated {
-    /// Returns a double not below `|axis · (x - centre)|` for any point x of the parallelepiped.
-    fn reach(&self, axis: [f64; 3], centre: [f64; 3]) -> f64 {
-        let mut reach = projection_up(axis, self.centre, centre);
+    /// Returns a double not below `|axis · (x - center)|` for any point x of the parallelepiped.
+    fn reach(&self, axis: [f64; 3], center: [f64; 3]) -> f64 {
+        let mut reach = projection_up(axis, self.center, center);
         for (generator, half) in self.generators.iter().zip(self.half_extents) {
             reach = add_up(reach, mul_up(half, projection_up(axis, *generator, [0.0; 3])));
         }

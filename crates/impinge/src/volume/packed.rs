@@ -9,7 +9,7 @@
 //! Tests: `tests/it/volumes/boxes.rs`. Benchmark: `box_forms`.
 
 use super::rounding::{add_up, f32_down};
-use super::{BoundingVolume, CentreRadius, MinMax, MinWidths};
+use super::{BoundingVolume, CenterRadius, MinMax, MinWidths};
 use crate::input::{InputError, InputErrorKind};
 
 mod sealed {
@@ -79,16 +79,16 @@ pub struct PackedMinWidths<T: Steps> {
     exponent: T::Exponent,
 }
 
-/// The box of the points `centre + e` with `|e| ≤ half_extents · 2^exponent`.
+/// The box of the points `center + e` with `|e| ≤ half_extents · 2^exponent`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PackedCentreRadius<T: Steps> {
-    centre: [f32; 3],
+pub struct PackedCenterRadius<T: Steps> {
+    center: [f32; 3],
     half_extents: [T; 3],
     exponent: T::Exponent,
 }
 
-const _: () = assert!(size_of::<PackedMinWidths<u8>>() == 16 && size_of::<PackedCentreRadius<u8>>() == 16);
-const _: () = assert!(size_of::<PackedMinWidths<u16>>() == 20 && size_of::<PackedCentreRadius<u16>>() == 20);
+const _: () = assert!(size_of::<PackedMinWidths<u8>>() == 16 && size_of::<PackedCenterRadius<u8>>() == 16);
+const _: () = assert!(size_of::<PackedMinWidths<u16>>() == 20 && size_of::<PackedCenterRadius<u16>>() == 20);
 const _: () = assert!(size_of::<super::Aabb>() == 24);
 
 /// Packs without shrinking.
@@ -113,17 +113,17 @@ impl<T: Steps> TryFrom<MinWidths> for PackedMinWidths<T> {
 ///
 /// # Errors
 /// Returns [`OutOfRange`](InputErrorKind::OutOfRange) if a coordinate exceeds 2^127.
-impl<T: Steps> TryFrom<CentreRadius> for PackedCentreRadius<T> {
+impl<T: Steps> TryFrom<CenterRadius> for PackedCenterRadius<T> {
     type Error = InputError;
 
-    fn try_from(bounds: CentreRadius) -> Result<Self, InputError> {
-        let centre = bounds.centre().map(|x| x as f32);
+    fn try_from(bounds: CenterRadius) -> Result<Self, InputError> {
+        let center = bounds.center().map(|x| x as f32);
         let reach = |axis: usize| {
-            let (rounded, exact) = (f64::from(centre[axis]), bounds.centre()[axis]);
+            let (rounded, exact) = (f64::from(center[axis]), bounds.center()[axis]);
             add_up(add_up(rounded.max(exact), -rounded.min(exact)), bounds.half_extents()[axis])
         };
-        let (half_extents, exponent) = pack::<T>(bounds.centre(), [reach(0), reach(1), reach(2)])?;
-        Ok(Self { centre, half_extents, exponent })
+        let (half_extents, exponent) = pack::<T>(bounds.center(), [reach(0), reach(1), reach(2)])?;
+        Ok(Self { center, half_extents, exponent })
     }
 }
 
@@ -136,10 +136,10 @@ impl<T: Steps> From<PackedMinWidths<T>> for MinWidths {
 }
 
 /// Exact.
-impl<T: Steps> From<PackedCentreRadius<T>> for CentreRadius {
-    fn from(packed: PackedCentreRadius<T>) -> Self {
+impl<T: Steps> From<PackedCenterRadius<T>> for CenterRadius {
+    fn from(packed: PackedCenterRadius<T>) -> Self {
         let step = power_of_two(packed.exponent.into());
-        Self::from_valid(packed.centre.map(f64::from), packed.half_extents.map(|steps| f64::from(steps.into()) * step))
+        Self::from_valid(packed.center.map(f64::from), packed.half_extents.map(|steps| f64::from(steps.into()) * step))
     }
 }
 
@@ -167,13 +167,13 @@ impl<T: Steps> PackedMinWidths<T> {
     }
 }
 
-impl<T: Steps> PackedCentreRadius<T> {
-    /// Reports whether the two boxes may overlap, by the test of [`CentreRadius`]: `false` is
+impl<T: Steps> PackedCenterRadius<T> {
+    /// Reports whether the two boxes may overlap, by the test of [`CenterRadius`]: `false` is
     /// returned only if they are proved apart. Touching boxes overlap.
     #[inline]
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
-        CentreRadius::from(*self).overlaps(&CentreRadius::from(*other))
+        CenterRadius::from(*self).overlaps(&CenterRadius::from(*other))
     }
 
     /// Returns a packed box that encloses both.
@@ -182,13 +182,13 @@ impl<T: Steps> PackedCentreRadius<T> {
     /// Returns [`OutOfRange`](InputErrorKind::OutOfRange) if a coordinate of the union exceeds
     /// 2^127.
     pub fn merged(&self, other: &Self) -> Result<Self, InputError> {
-        CentreRadius::from(*self).merged(&CentreRadius::from(*other)).try_into()
+        CenterRadius::from(*self).merged(&CenterRadius::from(*other)).try_into()
     }
 
     /// Returns the enclosed volume in cubic units, rounded.
     #[must_use]
     pub fn volume(&self) -> f64 {
-        CentreRadius::from(*self).volume()
+        CenterRadius::from(*self).volume()
     }
 }
 
@@ -200,9 +200,9 @@ impl<T: Steps> From<PackedMinWidths<T>> for MinMax {
 }
 
 /// Converts to double precision: each corner is rounded outward once.
-impl<T: Steps> From<PackedCentreRadius<T>> for MinMax {
-    fn from(packed: PackedCentreRadius<T>) -> Self {
-        CentreRadius::from(packed).into()
+impl<T: Steps> From<PackedCenterRadius<T>> for MinMax {
+    fn from(packed: PackedCenterRadius<T>) -> Self {
+        CenterRadius::from(packed).into()
     }
 }
 

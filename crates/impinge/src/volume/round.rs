@@ -28,7 +28,7 @@ pub enum Proximity {
     /// They have no common point.
     Apart,
     /// They have a common point.
-    Meets,
+    Intersects,
     /// Rounding leaves it undecided: they touch or nearly touch. Treat this as a hit.
     Undecided,
 }
@@ -78,7 +78,7 @@ pub trait Round: sealed::Swept + Sized {
         } else if upper > 0.0 {
             Proximity::Undecided
         } else {
-            Proximity::Meets
+            Proximity::Intersects
         }
     }
 

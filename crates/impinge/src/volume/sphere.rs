@@ -9,7 +9,7 @@ use crate::math::Sign;
 use crate::math::dyadic::Dyadic;
 use crate::math::vec3::squared_distance;
 
-/// The closed solid sphere around `centre`. A radius of zero makes a point.
+/// The closed solid sphere around `center`. A radius of zero makes a point.
 ///
 /// ```
 /// use impinge::volume::{BoundingSphere, BoundingVolume};
@@ -20,7 +20,7 @@ use crate::math::vec3::squared_distance;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundingSphere {
-    pub(super) centre: [f64; 3],
+    pub(super) center: [f64; 3],
     pub(super) radius: f64,
 }
 
@@ -33,21 +33,21 @@ impl BoundingSphere {
     /// Returns [`NonFinite`](crate::input::InputErrorKind::NonFinite) or
     /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) for a bad number,
     /// and [`Negative`](crate::input::InputErrorKind::Negative) for a negative radius.
-    pub fn new(centre: [f64; 3], radius: f64) -> Result<Self, InputError> {
-        in_range("sphere center", centre)?;
+    pub fn new(center: [f64; 3], radius: f64) -> Result<Self, InputError> {
+        in_range("sphere center", center)?;
         lengths_in_range("radius", [radius])?;
-        Ok(Self { centre, radius })
+        Ok(Self { center, radius })
     }
 
     /// Builds the sphere from numbers that are known to be valid.
-    pub(super) fn from_valid(centre: [f64; 3], radius: f64) -> Self {
-        Self { centre, radius }
+    pub(super) fn from_valid(center: [f64; 3], radius: f64) -> Self {
+        Self { center, radius }
     }
 
     /// Returns the center.
     #[must_use]
-    pub fn centre(&self) -> [f64; 3] {
-        self.centre
+    pub fn center(&self) -> [f64; 3] {
+        self.center
     }
 
     /// Returns the radius.
@@ -60,7 +60,7 @@ impl BoundingSphere {
     #[must_use]
     pub fn encloses(&self, other: &Self) -> bool {
         self.radius >= other.radius
-            && distance_against(self.centre, other.centre, self.radius, -other.radius) != Sign::Positive
+            && distance_against(self.center, other.center, self.radius, -other.radius) != Sign::Positive
     }
 }
 
@@ -92,7 +92,7 @@ pub(super) fn distance_against(p: [f64; 3], q: [f64; 3], r: f64, s: f64) -> Sign
 #[allow(private_interfaces, reason = "its members are for this module alone")]
 impl Swept for BoundingSphere {
     fn core(&self) -> Core {
-        Core::point(self.centre)
+        Core::point(self.center)
     }
 
     fn reach(&self) -> f64 {

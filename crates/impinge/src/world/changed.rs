@@ -7,10 +7,10 @@ pub enum Change {
     No,
     /// A step moved the body.
     Moved,
-    /// Its pose or its shape was changed by another call than a step, or a step moved a body that
+    /// The pose or the shape was changed by another call than a step, or a step moved a body that
     /// no box bounds.
     Place,
-    /// Its traits changed, so pairs must be filtered again.
+    /// The traits changed, so pairs must be filtered again.
     Traits,
 }
 

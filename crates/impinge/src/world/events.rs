@@ -21,7 +21,7 @@ pub struct PairKey {
 pub struct Pair<'w> {
     /// The bodies.
     pub key: PairKey,
-    /// Certainty of the intersection. It is always [`Meets`](Proximity::Meets) for meshes, boxes
+    /// Certainty of the intersection. It is always [`Intersects`](Proximity::Intersects) for meshes, boxes
     /// and hulls, except with [`NarrowPhase::Boxes`](super::NarrowPhase::Boxes).
     pub proximity: Proximity,
     /// Contacts in the world frame, as returned by [`contacts`](crate::query::contacts). Empty if

@@ -53,7 +53,7 @@ pub use narrow::NarrowPhase;
 pub use outline::Realignment;
 pub use queries::BodyHit;
 pub use rays::BodyRayHit;
-pub use record::{Record, RecordFlaw, RecordedBody, RecordedPair};
+pub use record::{Record, RecordError, RecordedBody, RecordedPair};
 pub use step::Phase;
 
 use std::sync::Arc;

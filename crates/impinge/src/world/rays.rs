@@ -189,7 +189,7 @@ fn hit_shape(shape: &PlacedShape, ray: &Ray, [enter, leave]: [f64; 2]) -> Option
         let [point_a, point_b] = found.points().unwrap_or([current; 2]);
         let size = current.iter().chain(&point_b).fold(0.0_f64, |size, x| size.max(x.abs()));
         least = CONTACT_TOLERANCE * size / steepest;
-        if found.proximity == Proximity::Meets || found.upper <= CONTACT_TOLERANCE * size {
+        if found.proximity == Proximity::Intersects || found.upper <= CONTACT_TOLERANCE * size {
             return Some(t);
         }
         if found.proximity == Proximity::Undecided {
@@ -205,7 +205,7 @@ fn hit_shape(shape: &PlacedShape, ray: &Ray, [enter, leave]: [f64; 2]) -> Option
         if !(closing > 0.0 && next <= end) {
             // The current point gets past. If the ray is known to hit the shape, the hit is here,
             // to within rounding.
-            return (proximity == Proximity::Meets).then_some(t);
+            return (proximity == Proximity::Intersects).then_some(t);
         }
         if next <= t {
             break;

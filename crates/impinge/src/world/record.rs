@@ -70,7 +70,7 @@ pub struct RecordedPair {
 /// The reason why a record is invalid.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum RecordFlaw {
+pub enum RecordError {
     /// Handles, generations and free places contradict each other.
     Places,
     /// A shape cannot be placed at its pose.
@@ -94,7 +94,7 @@ pub enum RecordFlaw {
     },
 }
 
-impl fmt::Display for RecordFlaw {
+impl fmt::Display for RecordError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Places => write!(f, "the handles, generations and free places of the record contradict each other"),
@@ -109,7 +109,7 @@ impl fmt::Display for RecordFlaw {
     }
 }
 
-impl std::error::Error for RecordFlaw {
+impl std::error::Error for RecordError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Input { error, .. } => Some(error),
@@ -159,17 +159,17 @@ impl Snapshot {
     ///
     /// # Complexity
     /// As for inserting the bodies, and O(p log p) for p pairs.
-    pub fn from_record(record: &Record, options: &Options) -> Result<Self, RecordFlaw> {
+    pub fn from_record(record: &Record, options: &Options) -> Result<Self, RecordError> {
         let (mut residents, mut places) = (Vec::with_capacity(record.bodies.len()), Vec::new());
         for RecordedBody { id, body, change } in &record.bodies {
             let placed = Placed::new(&body.shape, body.world_from_body)
-                .map_err(|error| RecordFlaw::Input { body: *id, error })?;
+                .map_err(|error| RecordError::Input { body: *id, error })?;
             let mut extremes = Extremes::default();
             places.push((id.index() as u32, body.outline.bounds(placed.stands(), &mut extremes), *change));
             let outline = body.outline.clone();
             residents.push((*id, Resident { placed, outline, extremes, traits: body.traits }));
         }
-        let residents = Slots::of(&record.generations, &record.free, residents).ok_or(RecordFlaw::Places)?;
+        let residents = Slots::of(&record.generations, &record.free, residents).ok_or(RecordError::Places)?;
         let broad = Broad::new(options.broad_phase);
         let mut state = State { residents, broad, departed: record.departed.clone(), ..State::default() };
         for (place, bounds, change) in places {
@@ -183,25 +183,25 @@ impl Snapshot {
 
 impl State {
     /// Validates recorded pairs and adds them.
-    fn pair_up(&mut self, pairs: &[RecordedPair]) -> Result<(), RecordFlaw> {
+    fn pair_up(&mut self, pairs: &[RecordedPair]) -> Result<(), RecordError> {
         let mut rows: Vec<(PairKey, usize)> = Vec::with_capacity(pairs.len());
         for (row, pair) in pairs.iter().enumerate() {
             let key = pair.bodies.map(|body| self.residents.get(body).map(|resident| (resident.traits.tag, body)));
-            let [Some((tag_a, a)), Some((tag_b, b))] = key else { return Err(RecordFlaw::Pair { row }) };
+            let [Some((tag_a, a)), Some((tag_b, b))] = key else { return Err(RecordError::Pair { row }) };
             if (tag_a, a) >= (tag_b, b) {
-                return Err(RecordFlaw::Pair { row });
+                return Err(RecordError::Pair { row });
             }
             rows.push((PairKey { tag_a, tag_b, a, b }, row));
         }
         rows.sort_unstable();
         if let Some(twice) = rows.windows(2).find(|rows| rows[0].0 == rows[1].0) {
-            return Err(RecordFlaw::Pair { row: twice[1].1 });
+            return Err(RecordError::Pair { row: twice[1].1 });
         }
         for (row, RecordedPair { bodies, meeting }) in pairs.iter().enumerate() {
             let number = self.pairs.add(bodies.map(|body| body.index() as u32));
             let Some((proximity, manifolds)) = meeting else { continue };
             if *proximity == Proximity::Apart || !manifolds.iter().all(is_finite) {
-                return Err(RecordFlaw::Contact { row });
+                return Err(RecordError::Contact { row });
             }
             if let Some(entry) = self.pairs.get_mut(number) {
                 entry.meeting = Some(Meeting { proximity: *proximity, manifolds: manifolds.clone() });

@@ -1,4 +1,7 @@
-//! What two triangles have in common, against exact rational geometry.
+//! Intersections of two triangles (`exact::crossing`) against rational geometry.
+//!
+//! Each end of a reported segment must be the exact end rounded to nearest, and must lie on the
+//! named vertex, edge or face of both triangles.
 
 use std::collections::HashMap;
 
@@ -33,7 +36,7 @@ fn normal([p, q, r]: &Triangle) -> Point {
     cross(&minus(q, p), &minus(r, p))
 }
 
-/// Whether a point is on this part of the triangle and on no smaller one.
+/// Reports whether a point is in the relative interior of a vertex, edge or face of a triangle.
 fn is_on(x: &Point, triangle: &Triangle, feature: Feature) -> bool {
     match feature {
         Feature::Vertex(k) => triangle[usize::from(k)] == *x,
@@ -50,7 +53,8 @@ fn is_on(x: &Point, triangle: &Triangle, feature: Feature) -> bool {
     }
 }
 
-/// Where the edges of one triangle that are not in the plane of the other, which has area, meet it.
+/// Returns the points in which the edges of one triangle cross the other triangle, which must have
+/// area. Edges parallel to its plane are skipped.
 fn edge_points(edges: &Triangle, plane: &Triangle) -> Vec<Point> {
     let n = normal(plane);
     let mut points = Vec::new();
@@ -170,7 +174,7 @@ fn swapped(crossing: Crossing) -> Crossing {
 }
 
 #[test]
-fn ties_in_one_frame() {
+fn ties_in_one_frame_are_decided() {
     let mut random = Random(21);
     let mut tally = Tally::default();
     for _ in 0..10_000 {
@@ -200,17 +204,18 @@ fn ties_under_affine_poses() {
     tally.assert_variety();
 }
 
-/// Around an edge of A that pierces B, both triangles at the edge end their pieces at the same named point.
+/// Checks that both triangles at an edge of A that pierces B end their segments at the same named
+/// point.
 #[test]
-fn pieces_of_neighbours_link_up() {
+fn segments_of_neighbors_link_up() {
     let mut random = Random(23);
     let mut links = 0;
     for _ in 0..20_000 {
         let (a, b) = tied_pair(&mut random);
         let [p, q, _] = a;
         let other: [f64; 3] = std::array::from_fn(|_| random.integer(-2, 2) as f64);
-        // The neighbour across edge 0 names that edge from its own corners.
-        let neighbour = [q, p, other];
+        // The neighbor across edge 0 lists the ends of that edge in the opposite order.
+        let neighbor = [q, p, other];
         let pose = rotation(&mut random);
         let placement = Placement::new(&pose, &pose);
         let ends = |crossing: Crossing| match crossing {
@@ -218,19 +223,20 @@ fn pieces_of_neighbours_link_up() {
             Crossing::Segment(start, finish) => vec![start, finish],
             _ => vec![],
         };
-        let (own, others) = (ends(crossing(&placement, &a, &b)), ends(crossing(&placement, &neighbour, &b)));
-        // An edge cannot end in a face without piercing it; a neighbour without area may name its parts otherwise.
+        let (own, others) = (ends(crossing(&placement, &a, &b)), ends(crossing(&placement, &neighbor, &b)));
+        // If the interior of edge 0 ends in the face of B, then the edge pierces B. A neighbor
+        // without area may name its features otherwise.
         let pierces = |end: &&Endpoint| (end.on_a, end.on_b) == (Feature::Edge(0), Feature::Face);
         for end in own.iter().filter(pierces) {
-            let has_area = !is_zero(&normal(&neighbour.map(|corner| corner.map(rational))));
-            assert!(others.contains(end) || !has_area, "{a:?} {neighbour:?} {b:?}");
+            let has_area = !is_zero(&normal(&neighbor.map(|corner| corner.map(rational))));
+            assert!(others.contains(end) || !has_area, "{a:?} {neighbor:?} {b:?}");
             links += usize::from(has_area);
         }
     }
     assert!(links > 200, "{links}");
 }
 
-/// A part of a mesh: its sorted vertices.
+/// Returns the sorted mesh vertices of a vertex, edge or face of a triangle.
 fn part(face: &[usize; 3], feature: Feature) -> Vec<usize> {
     let mut vertices = match feature {
         Feature::Vertex(k) => vec![face[usize::from(k)]],
@@ -241,7 +247,8 @@ fn part(face: &[usize; 3], feature: Feature) -> Vec<usize> {
     vertices
 }
 
-/// Over all pairs of faces of two closed meshes, touching in all ways: a point has one name and one set of bits.
+/// Checks over all pairs of faces of two closed meshes, touching in all ways, that each point has
+/// one name and one set of bits.
 #[test]
 fn a_point_has_one_name() {
     const TETRAHEDRON: &[[usize; 3]] = &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
@@ -254,12 +261,12 @@ fn a_point_has_one_name() {
     for case in 0..3000 {
         let mut mesh = || -> (Vec<[f64; 3]>, &[[usize; 3]]) {
             if random.one_in(2) {
-                let centre = integer_offset(&mut random, 1);
+                let center = integer_offset(&mut random, 1);
                 let size = random.integer(1, 2) as f64;
-                let moved = |v: [f64; 3]| std::array::from_fn(|k| size * v[k] + centre[k]);
+                let moved = |v: [f64; 3]| std::array::from_fn(|k| size * v[k] + center[k]);
                 (UNIT.map(moved).to_vec(), OCTAHEDRON)
             } else {
-                // With a volume, as else a point may be on two of its faces.
+                // The tetrahedron has a volume. Otherwise one point could be on two of its faces.
                 let from = integer_offset(&mut random, 1);
                 let edges = integer_linear(&mut random, 3);
                 let ends = edges.map(|edge| std::array::from_fn(|k| from[k] + edge[k]));

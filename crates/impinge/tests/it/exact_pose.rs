@@ -1,4 +1,4 @@
-//! What is accepted as a pose, and how it is judged.
+//! Validation of poses, and exact decisions about them: singular or not, mirroring or not.
 
 use crate::exact_oracle::*;
 use impinge::{InputErrorKind, Pose};
@@ -17,9 +17,9 @@ fn matrix_of(linear: [[f64; 3]; 3], translation: [f64; 3]) -> [[f64; 4]; 4] {
     [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
 }
 
-/// N1: whatever is not finite is named.
+/// Checks that each entry that is not finite is reported by its index.
 #[test]
-fn every_entry_is_judged() {
+fn every_nonfinite_entry_is_rejected_by_index() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for index in 0..16 {
             let mut matrix = matrix_of(EYE, [1.0, 2.0, 3.0]);
@@ -45,9 +45,10 @@ fn every_entry_is_judged() {
     }
 }
 
-/// N2: the limits themselves are legal.
+/// Checks that the largest permitted numbers are accepted, and that the next floats beyond them are
+/// rejected.
 #[test]
-fn ranges_are_closed() {
+fn limits_of_pose_entries_are_inclusive() {
     let (linear_limit, translation_limit) = (power_of_two(64), power_of_two(300));
     for sign in [1.0, -1.0] {
         for index in 0..12 {
@@ -64,9 +65,9 @@ fn ranges_are_closed() {
     }
 }
 
-/// N20: a projective row, and a matrix given by columns.
+/// Checks that a projective last row is an error, and that a matrix stored by columns gets a hint.
 #[test]
-fn the_last_row_is_fixed() {
+fn projective_and_transposed_matrices_are_rejected() {
     let mut projective = matrix_of(EYE, [1.0, 2.0, 3.0]);
     projective[3][2] = 1e-9;
     let error = Pose::from_matrix(projective).expect_err("projective");
@@ -78,13 +79,14 @@ fn the_last_row_is_fixed() {
     assert_eq!(error.hint(), Some("looks transposed"));
 }
 
-/// N20: singular is decided exactly, however small or large the determinant.
+/// Checks that singular matrices are detected exactly, no matter how small or large the determinant
+/// is.
 #[test]
-fn singular_is_exact() {
+fn singular_matrices_are_detected_exactly() {
     let third_row = |last: f64| [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6], [0.5, 0.7, last]];
-    // 0.1 + 0.4 and so on are not what the decimals say, so this matrix has an inverse ...
+    // The decimals 0.1 + 0.4 and so on are rounded in binary, so this matrix has an inverse.
     assert!(Pose::new(third_row(0.9), [0.0; 3]).is_ok());
-    // ... and rows that are multiples by a power of two have none.
+    // A row that is a multiple of another by a power of two makes the matrix singular.
     let mut random = Random(41);
     let mut mirrored = 0;
     for _ in 0..2000 {
@@ -94,10 +96,11 @@ fn singular_is_exact() {
         assert_eq!(kind(Pose::new(linear.map(|row| row.map(|x| x * scale)), [0.0; 3])), InputErrorKind::Singular);
         linear[2][1] = linear[2][1].next_up();
         let pose = Pose::new(linear.map(|row| row.map(|x| x * scale)), [0.0; 3]);
-        // Scaling may round subnormal entries to singular; above them it is exact.
+        // Scaling may round subnormal entries so that the matrix becomes singular. Above them
+        // scaling is exact.
         if scale > 1e-290 {
             let pose = pose.expect("invertible");
-            // The determinant is that of the change alone: its cofactor, times a positive number.
+            // The determinant is that of the change alone: its cofactor times a positive number.
             let cofactor =
                 rational(linear[0][2]) * rational(linear[1][0]) - rational(linear[0][0]) * rational(linear[1][2]);
             assert_eq!(pose.mirrors(), cofactor < rational(0.0));
@@ -111,9 +114,10 @@ fn singular_is_exact() {
     );
 }
 
-/// N21: lengths other than one are refused with the length; those within the tolerance are normalised.
+/// Checks that quaternions too far from unit length are rejected, and that those within the
+/// tolerance are normalized.
 #[test]
-fn quaternions_are_of_unit_length() {
+fn quaternions_far_from_unit_length_are_rejected() {
     for bad in
         [[0.0; 4], [2.0, 0.0, 0.0, 0.0], [0.998, 0.0, 0.0, 0.0], [1e200, 1e200, 0.0, 0.0], [1e-200, 0.0, 0.0, 0.0]]
     {
@@ -167,7 +171,7 @@ fn composition_applies_the_inner_map_first() {
     assert!(matches!(kind(large.compose(&large)), InputErrorKind::OutOfRange { index: 0, .. }));
 }
 
-/// Each entry of an inverse is as near to that of the inverse in rational numbers as its neighbors are, or nearer.
+/// Checks that each entry of an inverse is the float nearest to the entry of the rational inverse.
 #[test]
 fn inverses_are_rounded_once() {
     let mut rng = Rng::new(4807);

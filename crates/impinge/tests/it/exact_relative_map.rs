@@ -28,7 +28,8 @@ fn magnitude(x: RBig) -> RBig {
     if x < RBig::ZERO { -x } else { x }
 }
 
-/// The true linear part, by columns, and the true translation.
+/// Returns the columns of the exact linear part of the map from B's frame to A's, and its exact
+/// translation.
 fn truth(world_from_a: &Pose, world_from_b: &Pose) -> ([[RBig; 3]; 3], [RBig; 3]) {
     let inverse = inverse(&rational_matrix(world_from_a.linear()));
     let linear_b = rational_matrix(world_from_b.linear());
@@ -38,7 +39,8 @@ fn truth(world_from_a: &Pose, world_from_b: &Pose) -> ([[RBig; 3]; 3], [RBig; 3]
     (columns, times(&inverse, &offset))
 }
 
-/// Checks every bound, and gives the largest error bound relative to the entries of its row.
+/// Checks every error bound, and returns the largest ratio of a linear error bound to the largest
+/// entry of its row.
 fn check(world_from_a: &Pose, world_from_b: &Pose) -> f64 {
     let map = RelativeMap::a_from_b(world_from_a, world_from_b);
     let (columns, translation) = truth(world_from_a, world_from_b);
@@ -110,7 +112,7 @@ fn shears_and_scales_keep_relative_bounds() {
                 }
             }
             if random.one_in(3) {
-                // Nearly singular: one row almost a sum of the others.
+                // Nearly singular: one row is almost the sum of the others.
                 linear[2] = std::array::from_fn(|j| linear[0][j] + linear[1][j]);
                 linear[2][0] *= 1.0 + f64::EPSILON;
             }
@@ -123,7 +125,8 @@ fn shears_and_scales_keep_relative_bounds() {
     }
 }
 
-/// The residual of the approximate inverse is larger than rounding here, up to where it is no longer relied on.
+/// Checks the bounds for maps whose approximate inverse has a residual above rounding, up to the
+/// limit at which it is rejected.
 #[test]
 fn moderate_shears_keep_their_bounds() {
     let mut random = Random(37);
@@ -146,7 +149,8 @@ fn a_thin_scale_has_a_tight_inverse() {
     let map = RelativeMap::a_from_b(&thin, &Pose::IDENTITY);
     assert!((map.linear[2][2] * 1e-20 - 1.0).abs() < 1e-15);
 
-    // Axes of sizes that differ by more than the digits of a float squared, before and after a turn.
+    // Scales of axes that differ by more than the square of a float's precision, before and after a
+    // turn.
     let mut random = Random(38);
     let scales = [power_of_two(60), 1.0, power_of_two(-60)];
     for _ in 0..200 {
@@ -162,17 +166,17 @@ fn a_thin_scale_has_a_tight_inverse() {
 }
 
 #[test]
-fn every_range() {
+fn bounds_hold_at_every_scale() {
     let mut random = Random(34);
     let mut infinite = 0;
     for _ in 0..3000 {
         let mut pose = || {
             let scale = power_of_two(random.pick(&[-1060, -1000, -600, -60, 0, 60]));
             let stretch = power_of_two(random.pick(&[0, 0, -40]));
-            // Stretched before it is turned, which no approximate inverse in floats survives.
+            // The stretch comes before the turn. No approximate inverse in floats survives that.
             let linear = integer_linear(&mut random, 3).map(|[x, y, z]| [x * scale, y * scale * stretch, z * scale]);
             if Pose::new(linear, [0.0; 3]).is_err() {
-                // Subnormal entries that the stretch rounded.
+                // The stretch has rounded subnormal entries.
                 return Pose::IDENTITY;
             }
             let far = power_of_two(random.pick(&[-1074, -600, 0, 290, 299]));
@@ -187,7 +191,7 @@ fn every_range() {
 }
 
 #[test]
-fn exact_where_it_is_said_to_be() {
+fn exact_parts_have_zero_error() {
     let mut random = Random(35);
     for _ in 0..200 {
         let (a, b) = (rotation(&mut random), rotation(&mut random));
@@ -206,7 +210,7 @@ fn exact_where_it_is_said_to_be() {
         let same_place = Pose::new(*b.linear(), *a.translation()).expect("legal");
         assert_eq!(RelativeMap::a_from_b(&a, &same_place).translation_error, [0.0; 3]);
 
-        // Of the two translations, one is below the last place of the other.
+        // One of the two translations is below the last place of the other.
         let at = |t: f64| Pose::from_translation([t, 0.0, 0.0]).expect("legal");
         let rounded = RelativeMap::a_from_b(&at(1e-30), &at(1.0));
         assert_eq!((rounded.translation[0], rounded.translation_error[0]), (1.0, 1e-30));
@@ -219,7 +223,7 @@ fn images_are_within_their_error() {
     for case in 0..4000 {
         let (a, b) = match case % 3 {
             0 => (rotation(&mut random), rotation(&mut random)),
-            // Nothing but the evaluation rounds.
+            // Only the evaluation rounds here.
             1 => (Pose::IDENTITY, Pose::new(*rotation(&mut random).linear(), [0.0; 3]).expect("legal")),
             _ => (rotation(&mut random), scaled(&rotation(&mut random), power_of_two(random.integer(-500, 60) as i32))),
         };

@@ -1,10 +1,12 @@
-//! The decision about two triangles against exact linear programming, and the laws that it has to keep.
+//! The exact decision about two triangles against linear programming in integers, and its
+//! invariants.
 
 use crate::exact_oracle::*;
 use impinge::Pose;
 use impinge::exact::{Corners, Placement, Tier, decide_triangles, triangles_intersect};
 
-/// Counts how a run of cases went, so that none of them goes hollow.
+/// Counts of cases, hits and deciding tiers of a run. They make the test fail if its cases become
+/// one-sided.
 #[derive(Default, Debug)]
 struct Tally {
     cases: usize,
@@ -34,7 +36,7 @@ impl Tally {
 }
 
 #[test]
-fn ties_in_one_frame() {
+fn ties_in_one_frame_are_decided() {
     let mut random = Random(1);
     let mut tally = Tally::default();
     for _ in 0..4000 {
@@ -80,7 +82,7 @@ fn ties_under_integer_affine_poses() {
             let world_from_b = Pose::new(integer_linear(&mut random, 2), offset).expect("legal");
             tally.check(&world_from_a, &world_from_b, &a, &b);
         }
-        // Near each other: the same map, but for a scale that the corners take back.
+        // The same map up to a scale, which the corners undo half of the time.
         let factor = random.pick(&[0.5, -2.0, 3.0]);
         let other = Pose::new(world_from_a.linear().map(|row| row.map(|x| x * factor)), *world_from_a.translation());
         tally.check(&world_from_a, &other.expect("legal"), &a, &scaled_corners(&b, random.pick(&[1.0 / factor, 1.0])));
@@ -96,12 +98,13 @@ fn ties_under_rotations() {
     for _ in 0..4000 {
         let (a, b) = tied_pair(&mut random);
         let world_from_a = rotation(&mut random);
-        // The columns doubled and the corners halved, so that exact ties survive a general rotation.
+        // The columns are doubled and the corners halved, so that exact ties survive a general
+        // rotation.
         let factor = random.pick(&[0.5, 2.0, -1.0]);
         let linear = world_from_a.linear().map(|row| row.map(|x| x * factor));
         let world_from_b = Pose::new(linear, *world_from_a.translation()).expect("legal");
         tally.check(&world_from_a, &world_from_b, &a, &scaled_corners(&b, 1.0 / factor));
-        // And a rotation of its own.
+        // Each triangle has a rotation of its own.
         tally.check(&world_from_a, &rotation(&mut random), &a, &b);
     }
     tally.assert_hit_rate(0.25, 0.7);
@@ -126,12 +129,12 @@ fn random_pairs_under_rotations_need_no_exact_arithmetic() {
 }
 
 #[test]
-fn one_unit_in_the_last_place_from_touching() {
+fn pairs_one_unit_in_the_last_place_from_touching_are_decided() {
     let mut random = Random(6);
     let mut tally = Tally::default();
     for _ in 0..4000 {
         let (mut a, b) = tied_pair(&mut random);
-        // Off the grid, so that differences round.
+        // The shift is off the grid, so that differences round.
         let shift = [random.unit(), random.unit(), random.unit()];
         let world_from_a = Pose::from_translation(shift).expect("legal");
         let nudged = shift.map(|t| match random.integer(0, 3) {
@@ -149,9 +152,10 @@ fn one_unit_in_the_last_place_from_touching() {
     tally.assert_hit_rate(0.3, 0.7);
 }
 
-/// N2, N3: from subnormal to the largest coordinates, translations and linear parts.
+/// Checks coordinates, translations and linear parts from subnormal numbers to the largest that are
+/// valid.
 #[test]
-fn every_scale() {
+fn triangles_from_subnormal_to_the_largest_scale_are_decided() {
     let mut random = Random(7);
     let mut tally = Tally::default();
     for _ in 0..600 {
@@ -164,7 +168,7 @@ fn every_scale() {
         };
         for exponent in [-1074, -1073, -1060, -1022, -530, -353, -340, -149, -140, -60, 60, 100, 123] {
             let corner_scale = power_of_two(exponent);
-            // The smallest corners keep no halves.
+            // The smallest corners cannot be halved exactly.
             let (a, b) = (scaled_corners(&a, 4.0), scaled_corners(&b, 4.0));
             let (a, b) = (scaled_corners(&a, corner_scale), scaled_corners(&b, corner_scale));
             let at = |pose: &Pose, linear: f64| {
@@ -183,12 +187,12 @@ fn every_scale() {
 }
 
 #[test]
-fn mixed_scales() {
+fn triangles_of_mixed_scales_are_decided() {
     let mut random = Random(8);
     let mut tally = Tally::default();
     for _ in 0..3000 {
         let (mut a, mut b) = tied_pair(&mut random);
-        // Each axis its own power of two keeps ties; each corner its own keeps some.
+        // A power of two for each axis keeps all ties, and one for each corner keeps some.
         let axes: [f64; 3] = std::array::from_fn(|_| power_of_two(random.integer(-300, 120) as i32));
         for corner in a.iter_mut().chain(&mut b) {
             for k in 0..3 {
@@ -213,9 +217,10 @@ fn mixed_scales() {
     tally.assert_hit_rate(0.3, 0.7);
 }
 
-/// A linear part so small that the map between the frames is beyond the largest float.
+/// Checks poses with a linear part so small that the map between the frames exceeds the largest
+/// float.
 #[test]
-fn a_relative_map_that_no_float_holds() {
+fn relative_maps_beyond_the_largest_float_are_decided() {
     let mut random = Random(9);
     let mut tally = Tally::default();
     for _ in 0..1000 {
@@ -232,9 +237,9 @@ fn a_relative_map_that_no_float_holds() {
     tally.assert_hit_rate(0.05, 0.7);
 }
 
-/// N16: the order of corners and of triangles cannot matter.
+/// Checks that no order of the corners or of the triangles changes the answer.
 #[test]
-fn all_72_orders() {
+fn all_72_orders_of_corners_and_triangles_agree() {
     let mut random = Random(10);
     let mut hits = 0;
     let orders = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
@@ -261,7 +266,8 @@ fn all_72_orders() {
     assert!((900..2100).contains(&hits), "{hits}");
 }
 
-/// Moving both by one affine map, or scaling both by a power of two, changes nothing.
+/// Checks that moving both triangles by one affine map, or scaling both by a power of two, changes
+/// no answer.
 #[test]
 fn moving_both_keeps_the_answer() {
     let mut random = Random(11);
@@ -276,7 +282,7 @@ fn moving_both_keeps_the_answer() {
         let world_from_b = Pose::new(linear, offset_b).expect("legal");
         let expected = triangles_intersect(&Placement::new(&world_from_a, &world_from_b), &a, &b);
         hits += usize::from(expected);
-        // Small whole numbers: composing the poses rounds nothing.
+        // The entries are small integers, so composing the poses rounds nothing.
         let moved = Pose::new(integer_linear(&mut random, 9), integer_offset(&mut random, 99)).expect("legal");
         let (moved_a, moved_b) =
             (moved.compose(&world_from_a).expect("legal"), moved.compose(&world_from_b).expect("legal"));
@@ -288,7 +294,7 @@ fn moving_both_keeps_the_answer() {
     assert!((1500..3500).contains(&hits), "{hits}");
 }
 
-/// N4: zeros of either sign are one number.
+/// Checks that zeros of either sign are the same number.
 #[test]
 fn negative_zero_is_zero() {
     let mut random = Random(12);
@@ -304,9 +310,10 @@ fn negative_zero_is_zero() {
     }
 }
 
-/// N11, N13, N14: each kind of contact by its closed form, at a general rotation that keeps the ties.
+/// Checks each kind of contact against its known answer, also at a general rotation that keeps
+/// ties.
 #[test]
-fn contacts_by_kind() {
+fn each_kind_of_contact_has_its_known_answer() {
     const FLOOR: Corners = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
     let point = |p: [f64; 3]| [p, p, p];
     let segment = |p: [f64; 3], q: [f64; 3]| [p, q, [0, 1, 2].map(|k| 0.5 * (p[k] + q[k]))];

@@ -1,14 +1,14 @@
-//! Poses and positions as other crates have them, against what those crates make of the same points; stored poses.
+//! Conversions of poses and positions from and to glam and nalgebra, and poses stored by serde.
 
 use std::collections::HashMap;
 
 use impinge::{InputErrorKind, Pose, Positions};
 
-/// A shear with a mirror, of numbers that single precision holds.
+/// Matrix of a shear with a mirror. Single precision holds all its entries.
 const ROWS: [[f64; 4]; 4] =
     [[1.5, 0.25, 0.0, 7.0], [-0.5, 2.0, 0.125, -3.0], [0.75, 0.0, -1.0, 0.5], [0.0, 0.0, 0.0, 1.0]];
 
-/// Half-integers, whose images under [`ROWS`] round nothing.
+/// Point of half-integers, whose image under [`ROWS`] is exact.
 const POINT: [f64; 3] = [3.0, -0.5, 2.5];
 
 fn pose() -> Pose {

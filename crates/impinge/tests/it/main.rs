@@ -1,4 +1,5 @@
-//! The integration tests of the engine. They are one program, because each program is compiled and linked on its own.
+//! Integration tests of the engine. They are one program, because each program is compiled and
+//! linked separately.
 
 mod distance;
 mod engine;

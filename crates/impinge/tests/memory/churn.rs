@@ -1,4 +1,5 @@
-//! Memory of partitions under steady churn: after ten thousand steps no more is allocated than after a few thousand.
+//! Memory of partitions under steady changes: after 10,000 steps no more is allocated than after a
+//! few thousand.
 
 use impinge::partition::{
     Axis, BoxTree, Changes, ColumnSweep, Dynamic, HashedGrid, HierarchicalGrid, LooseOctree, Move, Octree,
@@ -11,13 +12,15 @@ use crate::{COUNTED, alone};
 
 const STEPS: usize = 10_000;
 
-/// Steps by which all memory that is kept for use again should be there.
+/// Number of steps after which all reusable memory should be allocated.
 const SETTLED: usize = 4_000;
 
-/// Runs all steps, and judges the most bytes that were alive in the last quarter of them by the most before it settled.
-/// Lists that are kept grow to the most that they ever held, in doublings that become rarer: hence half as much again, where
-/// what grows with the steps would be two and a half times as much.
-fn judge(name: &str, start: usize, mut step: impl FnMut(usize)) {
+/// Runs all steps, and compares the peak memory in the last quarter with the peak before step
+/// [`SETTLED`].
+///
+/// Lists grow to their maximum length by doubling, which becomes rarer. So the limit is 1.5 times;
+/// memory that grows with the steps would reach 2.5 times.
+fn check(name: &str, start: usize, mut step: impl FnMut(usize)) {
     let (mut settled, mut last) = (0, 0);
     for at in 0..STEPS {
         step(at);
@@ -32,7 +35,8 @@ fn judge(name: &str, start: usize, mut step: impl FnMut(usize)) {
     assert!(last * 2 <= settled * 3, "{name}: {settled} bytes were alive until step {SETTLED}, {last} at the end");
 }
 
-/// A box is drawn anew in a region that wanders off, so that no place is used for ever.
+/// Returns a random corner in a region that moves away with the steps, so that no place is used
+/// forever.
 fn place(rng: &mut Rng, at: usize) -> [f64; 3] {
     let far = at as f64 * 0.05;
     [far, -far, 0.0].map(|from| from + rng.uniform(0.0, 8.0))
@@ -49,7 +53,7 @@ fn churn<P: Dynamic>(name: &str, make: impl FnOnce() -> P) {
     let (mut rng, mut changes, mut moves) = (Rng::new(83), Changes::default(), Vec::new());
     (0..BOXES).for_each(|key| _ = partition.insert(key, unit_box(place(&mut rng, 0))));
     let (mut began, mut ended) = (0, 0);
-    judge(name, start, |at| {
+    check(name, start, |at| {
         moves.clear();
         for _ in 0..3 {
             let key = rng.integer(0, i64::from(BOXES) - 1) as u32;
@@ -80,7 +84,7 @@ fn memory_does_not_creep_under_steady_churn() {
     let start = COUNTED.current_usage();
     let (mut rng, mut sweep, mut pairs) = (Rng::new(85), ColumnSweep::new(), Vec::new());
     let mut boxes: Vec<MinMax> = (0..100).map(|_| unit_box(place(&mut rng, 0))).collect();
-    judge("columns", start, |at| {
+    check("columns", start, |at| {
         for _ in 0..3 {
             let key = rng.integer(0, boxes.len() as i64 - 1) as usize;
             boxes[key] = unit_box(place(&mut rng, at));

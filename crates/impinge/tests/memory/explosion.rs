@@ -1,4 +1,5 @@
-//! Meshes all of whose faces intersect each other: a limit keeps memory small and reports that it was reached.
+//! Meshes whose faces all intersect each other: a limit keeps memory small, and the result reports
+//! that it was reached.
 
 use impinge::mesh::{HostChoice, Options};
 use impinge::query::{self, Query};
@@ -13,7 +14,7 @@ fn on_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool").install(run)
 }
 
-/// So many triangles of one place.
+/// Returns a mesh of `count` equal triangles.
 fn pile(count: usize) -> Mesh {
     let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     Mesh::new(Positions::F32(corners), vec![[0, 1, 2]; count]).expect("a mesh")
@@ -44,7 +45,8 @@ fn first_of_soups_are_first_of_all() {
     assert!(reached > 5 * rounds && not_reached > 5 * rounds, "{reached} limits reached, {not_reached} not");
 }
 
-/// Four million pairs would take 32 MB, and as much again to sort.
+/// Checks the memory of a limited query. All four million pairs would take 32 MB, and as much again
+/// to sort.
 fn a_limit_bounds_memory() {
     const FACES: usize = 2_000;
     const LIMIT: usize = 10_000;
@@ -65,14 +67,15 @@ fn a_limit_bounds_memory() {
     }
 }
 
-/// Piles side by side, with the numbers of their faces mixed: the first pairs are found late, in any pile.
+/// Checks piles side by side with shuffled face numbers: the first pairs are found late, in any
+/// pile.
 fn first_of_mixed_piles_are_first_of_all() {
     const PILES: u32 = 64;
     const FACES: u32 = 3_200;
     let place = |pile: u32| 2.0 * f64::from(pile);
     let vertices =
         (0..PILES).flat_map(|pile| [[place(pile), 0.0, 0.0], [place(pile) + 1.0, 0.0, 0.0], [place(pile), 1.0, 0.0]]);
-    // 37 is prime to the number of faces.
+    // 37 is coprime to the number of faces.
     let pile_of = |face: u32| face * 37 % FACES % PILES;
     let faces = (0..FACES).map(|face| [0, 1, 2].map(|corner| 3 * pile_of(face) + corner));
     let mesh = Mesh::new(Positions::F64(vertices.collect()), faces.rev().collect::<Vec<_>>()).expect("a mesh");

@@ -1,6 +1,6 @@
-//! Bounding volumes of a mesh: how tight each kind is, and the convex hull that stands for the mesh.
+//! Bounding volumes of a mesh: how tight each kind is, and the convex hull instead of the mesh.
 //!
-//! Each volume holds the whole mesh, so what is apart from the volume is apart from the mesh.
+//! Each volume contains the whole mesh, so objects apart from the volume are apart from the mesh.
 
 use std::error::Error;
 
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("18-DOP: {:.6}", proxies.kdop18().volume());
     println!("hull: {} of {vertices} vertices", proxies.hull().vertices().len());
 
-    // The hull in place of the mesh: a lower bound of the distance, at a fraction of the cost.
+    // The hull instead of the mesh: a lower bound of the distance at a fraction of the cost.
     let hull = Shape::hull(proxies.hull().clone()).at(Pose::IDENTITY)?;
     let ball = Shape::sphere([0.0; 3], 0.25)?.at(Pose::from_translation([0.75, -0.5, 0.125])?)?;
     println!("a ball is {:.6} from the hull", query::distance(&hull, &ball).distance());

@@ -1,6 +1,6 @@
-//! Nearest points: of a mesh to given points, and of two meshes to each other.
+//! Closest points: of a mesh to given points, and of two meshes to each other.
 //!
-//! Each distance comes as an interval that is proved to hold the true one.
+//! Each distance is an interval that provably contains the true distance.
 
 use std::error::Error;
 

@@ -1,6 +1,8 @@
-//! A mesh that deforms: its vertices move every frame, and its hierarchy is refitted instead of built anew.
+//! A mesh that deforms: its vertices move every frame, and its hierarchy is refitted instead of
+//! rebuilt.
 //!
-//! A sheet sinks onto a human and its rim hangs down. `aging` says how much slower the hierarchy has become.
+//! A sheet sinks onto a human and its rim hangs down. `aging` tells how much slower the hierarchy
+//! has become.
 
 use std::error::Error;
 
@@ -8,7 +10,7 @@ use impinge::hierarchy::Builder;
 use impinge::{Mesh, query};
 
 const HUMAN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/human_makehuman_cc0.ply");
-/// Vertices along each side.
+/// Number of vertices along each side.
 const SIDE: u32 = 33;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -38,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Returns where the sheet is in a frame.
+/// Returns the vertices of the sheet in a frame.
 fn vertices(frame: u32) -> Vec<[f64; 3]> {
     let frame = f64::from(frame);
     let vertex = |at: u32| {

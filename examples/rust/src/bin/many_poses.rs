@@ -1,6 +1,8 @@
-//! Two meshes at many poses: one call answers for every row of an array of poses, on all processors.
+//! Two meshes at many poses: one call answers for every row of an array of poses, on all
+//! processors.
 //!
-//! Rows that follow each other along a motion take less time than shuffled ones. The answers are the same.
+//! Rows that follow each other along a motion take less time than shuffled rows. The answers are
+//! the same.
 
 use std::error::Error;
 

@@ -1,6 +1,7 @@
-//! A part that moves: when it first touches another part, found without stepping through the motion.
+//! A part that moves: when it first touches another part, found without stepping through the
+//! motion.
 //!
-//! Parts never pass through each other unseen, however fast they move and however thin they are.
+//! No contact is missed, however fast the parts move and however thin they are.
 
 use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
@@ -16,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let human = Mesh::new(model.positions, model.faces)?;
     let rest = Motion::default();
 
-    // A door swings by a quarter turn about its hinge, towards a human who stands in its way.
+    // A door swings by a quarter turn about its hinge, toward a human who stands in its way.
     let door = Shape::cuboid([0.5, 1.0, 0.03125])?;
     let hinge = [-0.75, 0.0, -0.5];
     let shut = Pose::from_translation([-0.25, 0.0, -0.5])?;

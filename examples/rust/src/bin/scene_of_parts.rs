@@ -1,6 +1,7 @@
 //! A scene of named parts: which pairs of them intersect or come near, in many configurations.
 //!
-//! Neighboring links of the robot are ignored. Only pairs of parts whose boxes are near each other are looked at.
+//! Neighboring links of the robot are ignored. Only pairs of parts whose boxes are near each other
+//! are tested.
 
 use std::error::Error;
 
@@ -23,7 +24,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     scene.ignore(base, arm);
     scene.ignore(arm, hand);
 
-    // The base stands still. The arm sinks from one configuration to the next, and the hand at its end with it.
+    // The base is fixed. The arm sinks from one configuration to the next, together with the hand
+    // at its end.
     let mut configurations = scene.configurations();
     configurations.set(arm, sinking(-1.0)?)?;
     configurations.set(hand, sinking(-0.5)?)?;

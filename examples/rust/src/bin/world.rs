@@ -1,4 +1,4 @@
-//! A world of bodies that the caller moves: each step says which pairs start touching and which stop.
+//! A world of bodies that the caller moves: each step reports which pairs start or stop touching.
 //!
 //! The tags 0, 1, 2 and so on are the caller's own numbers. Reports are sorted by them.
 

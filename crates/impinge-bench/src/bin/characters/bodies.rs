@@ -1,4 +1,5 @@
-//! Crowds of characters as bodies of a world: a step of it, of which every part of everybody has moved.
+//! Crowds of characters as bodies of a world: a step in which every part of every character has
+//! moved.
 
 use anyhow::{Result, ensure};
 use impinge::character::{Character, PartBodies, Posed, Rig, RigPose};
@@ -9,7 +10,8 @@ use rayon::prelude::*;
 
 use super::{Member, members};
 
-/// A row for each narrow phase: posing, the step, and the pairs that meet after the last.
+/// Returns a row for each narrow phase: posing, the step, and the intersecting pairs after the last
+/// step.
 pub(crate) fn table(rig: &Rig, character: &Character, count: usize, repeats: usize) -> Result<Table<5>> {
     let heading = format!("{count} characters");
     let mut table = Table::new([heading.as_str(), "bodies", "pose", "step", "pairs"]);
@@ -25,7 +27,8 @@ pub(crate) fn table(rig: &Rig, character: &Character, count: usize, repeats: usi
     Ok(table)
 }
 
-/// The least seconds of posing and of a step; bodies, and pairs that meet after the last.
+/// Minimum times of posing and of a step in seconds, the number of bodies, and the number of
+/// intersecting pairs after the last step.
 struct Stepped {
     pose: f64,
     step: f64,

@@ -1,5 +1,5 @@
-//! Whether some parts of a character want volumes of their own about them: none but the box about all, boxes that wrap the
-//! parts' volumes, or volumes that hold what the parts hold.
+//! Intermediate volumes around groups of a character's parts: only the box around all parts, boxes
+//! that wrap the parts' volumes, or volumes that contain the parts' vertices.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -11,15 +11,15 @@ use impinge_bench::samples::{Samples, processor_timed};
 use impinge_bench::table::{Table, time};
 use impinge_testkit::generate::Rng;
 
-/// Parts of a character, and those of the same that they are taken together to.
+/// Fine parts of a character, and coarse parts that group them.
 pub(crate) struct Layers {
     fine: Character,
     coarse: Character,
-    /// The fine parts of each coarse one.
+    /// Fine parts of each coarse part.
     groups: Vec<Character>,
 }
 
-/// One pose of all of them.
+/// All layers in one pose.
 struct PosedLayers<'c> {
     fine: Posed<'c>,
     coarse: Posed<'c>,
@@ -65,7 +65,7 @@ impl PosedLayers<'_> {
         self.groups.iter_mut().for_each(|group| group.set_at(pose, origin));
     }
 
-    /// Where a ray enters the first volume.
+    /// Returns the parameter at which a ray enters the first volume, or `None` if it hits none.
     fn ray_cast(&self, arrangement: Arrangement, ray: &Ray) -> Option<f64> {
         let of_group = |group: &Posed<'_>| group.ray_cast(ray).map(|hit| hit.t);
         match arrangement {
@@ -78,7 +78,7 @@ impl PosedLayers<'_> {
         }
     }
 
-    /// How many pairs of parts of two characters meet.
+    /// Returns the number of intersecting pairs of parts of two characters.
     fn pairs_with(&self, arrangement: Arrangement, other: &Self) -> Result<usize> {
         let mut found = 0;
         match arrangement {
@@ -102,7 +102,8 @@ impl PosedLayers<'_> {
     }
 }
 
-/// What each arrangement costs: posing, rays that are aimed at a character, and pairs of characters beside each other.
+/// Times each arrangement: posing, rays aimed at a character, and pairs of characters beside each
+/// other.
 pub(crate) fn table(name: &str, rig: &Rig, volumes: usize, few: usize, repeats: usize) -> Result<Table<9>> {
     const CASES: usize = 300;
     let layers = Layers::new(rig, volumes, few)?;
@@ -173,7 +174,7 @@ pub(crate) fn table(name: &str, rig: &Rig, volumes: usize, few: usize, repeats: 
     Ok(table)
 }
 
-/// The characters that there are: the one beside the code, and what a folder of others has.
+/// Returns the character of the repository, and one of the data folder if that is present.
 pub(crate) fn characters(root: &Path) -> Result<Vec<(&'static str, Rig)>> {
     let mut found = vec![("robot", impinge_files::load_rig(root.join("data/robot.glb"))?)];
     match std::env::var_os("IMPINGE_DATA").map(|data| Path::new(&data).join("characters/greenman.glb")) {

@@ -1,4 +1,5 @@
-//! A thousand animated characters, all against all, and a thousand rays, each frame; and what rays cost against each kind of volume.
+//! 1,000 animated characters, all against all, and 1,000 rays, per frame; and the cost of rays
+//! against each kind of volume.
 //!
 //! `cargo run --release -p impinge-bench --bin characters`
 
@@ -26,19 +27,19 @@ const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 /// Times crowds of animated characters, and checks them against all pairs
 #[derive(Parser)]
 struct Arguments {
-    /// Frames of each crowd
+    /// Number of frames of each crowd
     #[arg(long, value_name = "N", default_value_t = 30)]
     repeats: usize,
-    /// Threads
+    /// Number of threads
     #[arg(long, value_name = "N", default_value_t = 2)]
     threads: usize,
-    /// Volumes of a character
+    /// Number of volumes of a character
     #[arg(long, value_name = "N", default_value_t = 20)]
     volumes: usize,
-    /// Crowds of up to so many
+    /// Maximum number of characters in a crowd
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     most: usize,
-    /// Print one JSON object per crowd, in seconds, in place of tables
+    /// Print one JSON object per crowd, in seconds, instead of tables
     #[arg(long)]
     json: bool,
 }
@@ -73,7 +74,8 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// The least seconds of each phase of a frame, and of all; pairs of characters and of parts, and rays that hit.
+/// Minimum times of each phase of a frame and of all phases, in seconds; and the numbers of pairs
+/// of characters, of pairs of parts, and of rays that hit.
 struct Crowd {
     count: usize,
     seconds: [f64; 5],
@@ -97,7 +99,7 @@ impl Crowd {
     }
 }
 
-/// What a ray costs against a part of each kind, over all parts and poses of a robot.
+/// Times a ray against one volume of each kind around a robot in one pose.
 fn kinds(rig: &Rig) -> Result<()> {
     println!("A ray against one part, from everywhere");
     let mut table = Table::new(["", "time", "struck"]);
@@ -126,7 +128,7 @@ fn kinds(rig: &Rig) -> Result<()> {
     Ok(())
 }
 
-/// A character of a crowd: it stands still and plays an animation.
+/// Character of a crowd. It stays in place and plays an animation.
 struct Member {
     animation: usize,
     offset: f64,
@@ -134,17 +136,17 @@ struct Member {
 }
 
 impl Member {
-    /// The time of its animation in a frame.
+    /// Returns the time of its animation in a frame.
     fn time(&self, rig: &Rig, frame: usize) -> f64 {
         let [start, end] = rig.animations()[self.animation].span();
         start + (frame as f64 / 60.0 + self.offset) % (end - start)
     }
 }
 
-/// A crowd on a square, of which the side is returned, too.
+/// Returns a crowd on a square, and the side of the square.
 fn members(rig: &Rig, count: usize) -> (Vec<Member>, f64) {
     let mut random = Rng::new(3);
-    // Some four square metres each: many touch one other, few more.
+    // About 40 square meters each, so that many touch one other character, and few touch more.
     let side = (40.0 * count as f64).sqrt();
     let mut share = || random.unit();
     let member = |_| Member {
@@ -172,7 +174,7 @@ fn crowd(rig: &Rig, character: &Character, count: usize, repeats: usize) -> Resu
     let (mut pairs_of_bodies, mut pairs_of_parts, mut hits) = (0, 0, 0);
     for frame in 0..repeats.max(1) {
         let (pose_seconds, posing) = timed(|| {
-            // One pose of the rig for all that a thread does: volumes are what is kept.
+            // Each thread reuses one pose of the rig. Only volumes are kept.
             posed.par_iter_mut().zip(&members).try_for_each_init(RigPose::default, |pose, (posed, member)| {
                 rig.pose_bones_into(member.animation, member.time(rig, frame), &bones, pose)?;
                 posed.set_at(pose, member.place);
@@ -218,7 +220,8 @@ fn crowd(rig: &Rig, character: &Character, count: usize, repeats: usize) -> Resu
 
 type Pairs = Vec<(u32, u32)>;
 
-/// Pairs of characters whose boxes overlap, and of rays and characters, by sorting the lower ends along x.
+/// Returns pairs of characters whose boxes overlap, and of rays and characters, by sorting the
+/// lower ends along x.
 fn sweep(posed: &[Posed<'_>], rays: &[([f64; 3], [f64; 3])]) -> [Pairs; 2] {
     let bodies = posed.len() as u32;
     let of_body = |body: &Posed<'_>| body.outer();
@@ -252,7 +255,7 @@ fn sweep(posed: &[Posed<'_>], rays: &[([f64; 3], [f64; 3])]) -> [Pairs; 2] {
     [pairs, shots.into_iter().map(|(body, ray)| (ray - bodies, body)).collect()]
 }
 
-/// Against all pairs of characters, and all rays against all.
+/// Checks the counts against all pairs of characters, and against all rays on all characters.
 fn check(posed: &[Posed<'_>], rays: &[([f64; 3], [f64; 3])], pairs: usize, hits: usize) -> Result<()> {
     let mut all = 0;
     for (at, a) in posed.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! What it costs to be told the part that a ray strikes, and how often it is right: by volumes, by volumes that are opened into
-//! hulls, by the faces that a ray comes near, and by the surface as a whole.
+//! Cost of finding the part that a ray hits, and the share of right answers: by volumes, by volumes
+//! refined into hulls, by the faces near a ray, and by the whole surface.
 
 use std::hint::black_box;
 
@@ -13,20 +13,20 @@ use impinge_testkit::generate::Rng;
 const POSES: usize = 100;
 const RAYS: usize = 100;
 
-/// Poses, rays at the surface in them, and the part that each strikes in truth.
+/// Poses, rays at the surface in each pose, and the true part that each ray hits.
 struct Cases(Vec<(RigPose, Vec<Aimed>)>);
 
-/// A ray, and the part that it strikes.
+/// Ray, and the part that it hits.
 type Aimed = (Ray, Option<u32>);
 
-/// The least seconds of a pose and of a ray, and the share of hits of which the part is right.
+/// Minimum times of a pose and of a ray in seconds, and the share of hits with the right part.
 struct Measured {
     pose: f64,
     ray: f64,
     right: f64,
 }
 
-/// The table of a character of at most so many parts, on one thread.
+/// Returns the table of a character with at most `volumes` parts, on one thread.
 pub(crate) fn table(name: &str, rig: &Rig, volumes: usize, repeats: usize) -> Result<Table<4>> {
     let character = Character::fit(rig, &Plan::automatic(rig, volumes)?, Mode::Conservative)?;
     let cases = cases(rig, &character)?;
@@ -63,7 +63,7 @@ pub(crate) fn table(name: &str, rig: &Rig, volumes: usize, repeats: usize) -> Re
     Ok(table)
 }
 
-/// Rays at random points of the surface, from everywhere outside.
+/// Returns rays from outside at random points of the surface.
 fn cases(rig: &Rig, character: &Character) -> Result<Cases> {
     let mut random = Rng::new(9);
     let mut share = || random.uniform(0.0, 1.0);

@@ -1,5 +1,5 @@
-//! What a volume test, a primitive test and an update take on this machine, for each volume and mesh: the constants of
-//! `T = N_V C_V + N_P C_P + N_U C_U`.
+//! Costs of a volume test, a primitive test and an update on this machine, for each volume and
+//! mesh: the constants of `T = N_V C_V + N_P C_P + N_U C_U`.
 
 use std::hint::black_box;
 
@@ -8,14 +8,17 @@ use impinge_bench::samples::{Samples, processor_timed};
 
 use crate::question::Question;
 
-/// Volumes that are measured: as many as stay in the second cache, as those of a descent mostly do.
+/// Number of volumes measured. They fit the second-level cache, as the volumes of a descent mostly
+/// do.
 const SAMPLE: usize = 1 << 10;
 
-/// Pairs of primitives that are measured.
+/// Number of pairs of primitives measured.
 const PRIMITIVES: usize = 1 << 14;
 
-/// The costs of one of each for this volume, from volumes about a few triangles of this mesh: tested against the moved
-/// neighbours that a descent would ask about, and moved as it would move them.
+/// Returns the costs for one kind of volume, or `None` if no volume can be fitted.
+///
+/// The volumes enclose a few triangles of the mesh each. They are tested against neighbors as in a
+/// descent, and moved as in a descent.
 pub(crate) fn measure<V: NodeVolume>(question: &Question, repeats: usize) -> Option<Costs> {
     let tree = Builder::Median.build_with_leaves_of(8, &question.boxes);
     let leaves: Vec<u32> = (0..tree.nodes.len() as u32).filter(|&n| tree.nodes[n as usize].right.is_none()).collect();
@@ -39,7 +42,8 @@ pub(crate) fn measure<V: NodeVolume>(question: &Question, repeats: usize) -> Opt
             black_box(black_box(volume).moved(&question.pose));
         });
     });
-    // Neighbours in the tree, which overlap, and those far from them, which do not: half of each.
+    // Half of the tests are with neighbors in the tree, which overlap, and half with distant
+    // volumes, which do not.
     let lanes: Vec<V::Lanes<1>> = volumes.iter().map(|&volume| V::lanes([Some(volume)])).collect();
     let volume = least(repeats, || {
         for at in 0..count {
@@ -48,7 +52,7 @@ pub(crate) fn measure<V: NodeVolume>(question: &Question, repeats: usize) -> Opt
             }
         }
     });
-    // Those that meet, and their neighbours, which mostly do not.
+    // Intersecting pairs, and their neighbors, which mostly do not intersect.
     let pairs = &question.pairs[..question.pairs.len().min(PRIMITIVES)];
     let size = question.size() as u32;
     let primitive = least(repeats, || {
@@ -65,7 +69,7 @@ pub(crate) fn measure<V: NodeVolume>(question: &Question, repeats: usize) -> Opt
     })
 }
 
-/// The shortest time of some runs, in seconds.
+/// Returns the minimum time of some runs, in seconds.
 fn least(repeats: usize, mut run: impl FnMut()) -> f64 {
     Samples::take(repeats.max(5), || Ok::<f64, ()>(processor_timed(&mut run).0))
         .map_or(f64::NAN, |samples| samples.min())

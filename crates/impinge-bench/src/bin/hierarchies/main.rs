@@ -1,11 +1,12 @@
-//! The questions that *Notes on Real Time Collision Detection*, 3.1, leaves open, answered by measurement: which builder,
-//! which degree, which volume, wrapped or layered; on generated meshes and, where `IMPINGE_DATA` names them, real ones.
+//! Measured answers to the questions that *Notes on Real Time Collision Detection*, 3.1, does not
+//! settle: the builder, the degree, the volume, wrapped or layered. The meshes are generated and,
+//! if `IMPINGE_DATA` is set, real.
 //!
 //! `IMPINGE_DATA=... cargo run --release -p impinge-bench --bin hierarchies`
 //!
-//! Every tree answers the same question, which pairs of triangles meet, and each answer is compared with that of the
-//! library. Times are minima of the processor time of single runs on one thread; what a tree does is counted, and the same
-//! on every machine.
+//! Every tree answers the same query, all intersecting pairs of triangles, and each answer is
+//! compared with the library's. Times are minima of the processor time of single runs on one
+//! thread. The counted work of a tree is the same on every machine.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
@@ -26,13 +27,13 @@ use rows::Runs;
 /// Measures trees of every kind, and checks every answer
 #[derive(Parser)]
 struct Arguments {
-    /// Runs of each traversal, and at most three of each build
+    /// Number of runs of each traversal; at most three of each build
     #[arg(long, value_name = "N", default_value_t = 5)]
     repeats: usize,
-    /// Threads to build with
+    /// Number of threads for building
     #[arg(long, value_name = "N", default_value_t = 1)]
     threads: usize,
-    /// Ask only about meshes whose name has this in it
+    /// Measure only meshes whose name contains this text
     #[arg(long, value_name = "TEXT", default_value = "")]
     only: String,
 }

@@ -1,4 +1,4 @@
-//! A mesh against itself moved, and which of its triangles meet.
+//! Mesh against itself moved, and its intersecting pairs.
 
 use std::path::Path;
 
@@ -12,25 +12,25 @@ use impinge_bench::scene::Surface;
 use impinge_testkit::env_rob::data_folder;
 use impinge_testkit::generate::knots::{TREFOIL, bumpy_sphere, stadium, torus_knot};
 
-/// Real meshes, below the folder that `IMPINGE_DATA` names, and how far each is turned and shifted, as a share of its size.
+/// Names and files of real meshes, below the folder that `IMPINGE_DATA` names.
 const REAL: [(&str, &str); 3] =
     [("human", "meshes/human_makehuman_cc0.ply"), ("bunny", "meshes/stanford-bunny.obj"), ("igea", "meshes/igea.ply")];
 
-/// A mesh against itself moved by `pose`.
+/// Mesh against itself moved by `pose`.
 pub(crate) struct Question {
     pub(crate) name: &'static str,
     triangles: Vec<Corners>,
     pub(crate) boxes: Vec<Aabb>,
-    /// Of the moved triangles, tight.
+    /// Tight boxes of the moved triangles.
     moved_boxes: Vec<Aabb>,
     pub(crate) pose: Pose,
     placement: Placement,
-    /// What the library answers, sorted.
+    /// Pairs found by the library, sorted.
     pub(crate) pairs: Vec<[u32; 2]>,
 }
 
 impl Question {
-    /// The generated ones and, where there are any, the real ones.
+    /// Returns the generated meshes and, if the data folder is set, the real ones.
     pub(crate) fn all() -> Result<Vec<Self>> {
         let turned = |angle, offset| Pose::from_axis_angle([1.0, 2.0, 3.0], angle, offset);
         let generated =
@@ -48,7 +48,7 @@ impl Question {
         Ok(all)
     }
 
-    /// A real mesh turned about the middle of its box, and shifted by a tenth of it.
+    /// Returns a real mesh turned about the middle of its box, and shifted by 10 % of it.
     fn of_file(name: &'static str, path: &Path) -> Result<Self> {
         let surface = Surface::load(path)?;
         let [low, high] = surface.bounds();
@@ -84,17 +84,17 @@ impl Question {
         })
     }
 
-    /// How many triangles the mesh has.
+    /// Returns the number of triangles of the mesh.
     pub(crate) fn size(&self) -> usize {
         self.triangles.len()
     }
 
-    /// The corners of a triangle.
+    /// Returns the corners of a triangle.
     pub(crate) fn corners(&self, face: u32) -> Corners {
         self.triangles[face as usize]
     }
 
-    /// A generic tree of the mesh.
+    /// Returns a generic tree of the mesh.
     pub(crate) fn tree<V: NodeVolume, const DEGREE: usize>(
         &self,
         binary: &BinaryTree,
@@ -104,7 +104,8 @@ impl Question {
         GenericTree::new(binary, corners, enclosure).context("a volume cannot be fitted")
     }
 
-    /// Asks the tree, and counts; pairs of triangles whose boxes are apart are not tested further.
+    /// Returns the pairs found with the tree, and its counted work. Pairs of triangles whose boxes
+    /// are apart are not tested further.
     pub(crate) fn ask<V: NodeVolume, const DEGREE: usize>(
         &self,
         tree: &GenericTree<V, DEGREE>,
@@ -118,7 +119,8 @@ impl Question {
         (found, work)
     }
 
-    /// Whether triangle `a` meets the moved triangle `b`, exactly: what one primitive test is.
+    /// Reports whether triangle `a` intersects the moved triangle `b`, exactly. This is one
+    /// primitive test.
     #[inline]
     pub(crate) fn meet(&self, a: u32, b: u32) -> bool {
         let (box_a, box_b) = (&self.boxes[a as usize], &self.moved_boxes[b as usize]);

@@ -1,4 +1,4 @@
-//! One measured tree, as a row of a table.
+//! Measured trees, as rows of tables.
 
 use anyhow::{Context, Result};
 use impinge::hierarchy::{Builder, Counters, Enclosure, GenericTree, NodeVolume};
@@ -9,10 +9,10 @@ use impinge_bench::table::time;
 use crate::costs;
 use crate::question::Question;
 
-/// Builds are slow and vary little: no more of them than this.
+/// Maximum number of builds, because builds are slow and their times vary little.
 const MOST_BUILDS: usize = 3;
 
-/// How often things are done.
+/// Number of runs.
 pub(crate) struct Runs {
     pub(crate) repeats: usize,
 }
@@ -20,7 +20,7 @@ pub(crate) struct Runs {
 pub(crate) const BUILDER_HEADINGS: [&str; 9] =
     ["builder", "build", "SAH", "overlap", "depth", "leaves full", "N_V", "N_P", "all pairs"];
 
-/// A builder, by the tree of boxes that queries would descend.
+/// Measures a builder, by the tree of boxes that queries would descend.
 pub(crate) fn builder(question: &Question, builder: Builder, runs: &Runs) -> Result<[String; 9]> {
     let build = Samples::take(runs.repeats.min(MOST_BUILDS), || {
         anyhow::Ok(processor_timed(|| builder.build(&question.boxes)).0)
@@ -44,7 +44,7 @@ pub(crate) fn builder(question: &Question, builder: Builder, runs: &Runs) -> Res
 
 pub(crate) const DEGREE_HEADINGS: [&str; 6] = ["degree", "bytes a triangle", "N_V", "N_P", "N_U", "all pairs"];
 
-/// A degree, by its tree of boxes.
+/// Measures a degree, by its tree of boxes.
 pub(crate) fn degree<const DEGREE: usize>(question: &Question, runs: &Runs) -> Result<[String; 6]> {
     let binary = Builder::BinnedSah.build_with_leaves_of(1, &question.boxes);
     let tree = question.tree::<Aabb, DEGREE>(&binary, Enclosure::Wrapped)?;
@@ -62,7 +62,8 @@ pub(crate) fn degree<const DEGREE: usize>(question: &Question, runs: &Runs) -> R
 pub(crate) const VOLUME_HEADINGS: [&str; 11] =
     ["volume", "fit", "bytes", "N_V", "N_P", "N_U", "C_V", "C_P", "C_U", "T", "all pairs"];
 
-/// A volume, by a binary tree of it; `T` is what the counts and the costs of one predict.
+/// Measures a volume, by a binary tree of it. `T` is the time predicted by the counts and the unit
+/// costs.
 pub(crate) fn volume<V: NodeVolume>(
     question: &Question,
     name: &str,
@@ -93,7 +94,8 @@ pub(crate) fn volume<V: NodeVolume>(
     ])
 }
 
-/// What a tree does for all pairs, and the shortest time of some runs in seconds; each answer is checked.
+/// Returns the counted work of a tree for all pairs, and the minimum time of some runs in seconds.
+/// Each answer is checked.
 fn ask<V: NodeVolume, const DEGREE: usize>(
     question: &Question,
     tree: &GenericTree<V, DEGREE>,
@@ -110,7 +112,7 @@ fn ask<V: NodeVolume, const DEGREE: usize>(
     Ok((work, samples.min()))
 }
 
-/// A count in thousands, to three digits or to one.
+/// Returns a count in thousands or millions.
 fn thousands(count: u64) -> String {
     match count {
         0..100_000 => format!("{:.1} k", count as f64 / 1e3),

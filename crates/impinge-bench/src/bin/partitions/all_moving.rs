@@ -1,4 +1,4 @@
-//! All boxes move, and all pairs are wanted.
+//! All boxes move, and all pairs are reported.
 
 use std::hint::black_box;
 
@@ -12,16 +12,17 @@ use parry3d::partitioning::{Bvh, BvhWorkspace};
 
 use crate::scenes::{for_parry, nudged};
 
-/// Boxes above which our tree, which is not made for this, is left out.
+/// Maximum number of boxes for our tree, which is not made for this.
 const MOST_FOR_TREE: usize = 10_000;
 
-/// Boxes above which parry's is, which takes gigabytes.
+/// Maximum number of boxes for parry's tree, which takes gigabytes.
 const MOST_FOR_PARRY: usize = 1_000_000;
 
-/// Boxes of which there are as many steps as asked for; of more there are fewer, and of fewer more.
+/// Number of boxes for which the number of steps is as given. More boxes get fewer steps, and fewer
+/// boxes get more.
 const USUAL: usize = 300_000;
 
-/// How long a step takes.
+/// Times of a step.
 pub(crate) struct Row {
     boxes: usize,
     pairs: usize,
@@ -48,7 +49,7 @@ fn row(mut boxes: Vec<MinMax>, steps: usize) -> Result<Row> {
     let mut tree = (count <= MOST_FOR_TREE).then(|| BoxTree::build(&boxes));
     let (mut ours, mut theirs, mut trees) = (Vec::new(), Vec::new(), Vec::new());
     let steps = (steps * USUAL / count).clamp(3, 100 * steps);
-    // The first steps warm up.
+    // The first two steps warm up.
     for step in 0..steps + 2 {
         boxes.iter_mut().for_each(|bounds| *bounds = nudged(bounds, &mut rng));
         let (seconds, ()) = processor_timed(|| columns.find(black_box(&boxes), &mut pairs));
@@ -101,7 +102,7 @@ pub(crate) fn print(what: &str, rows: &[Row]) {
     println!("{table}");
 }
 
-/// The least seconds of a step.
+/// Returns the minimum times of a step in seconds, as JSON.
 pub(crate) fn json(rows: &[Row]) -> Vec<serde_json::Value> {
     rows.iter()
         .map(|Row { boxes, pairs, columns, parry, .. }| {
@@ -111,7 +112,7 @@ pub(crate) fn json(rows: &[Row]) -> Vec<serde_json::Value> {
         .collect()
 }
 
-/// parry's tree and what it keeps beside it.
+/// parry's tree and its workspace.
 pub(crate) struct Parry {
     tree: Bvh,
     workspace: BvhWorkspace,
@@ -126,7 +127,8 @@ impl Parry {
         parry
     }
 
-    /// Seconds to move all boxes and find all pairs, and these, the lesser first.
+    /// Returns the time to move all boxes and find all pairs, in seconds, and the pairs, each with
+    /// the smaller key first.
     fn step(&mut self, boxes: &[MinMax]) -> (f64, Vec<[u32; 2]>) {
         let boxes: Vec<_> = boxes.iter().map(for_parry).collect();
         let Self { tree, workspace } = self;

@@ -1,4 +1,4 @@
-//! One box in a thousand moves, and the pairs that change are wanted.
+//! One box in a thousand moves, and the changed pairs are reported.
 
 use std::hint::black_box;
 
@@ -11,10 +11,11 @@ use impinge_testkit::generate::Rng;
 
 use crate::scenes::{like, nudged};
 
-/// Boxes for each that moves.
+/// Number of boxes per box that moves.
 const SHARE: usize = 1000;
 
-/// Edges of cells: so much larger than the boxes, which are 1 on average, that most cells' copies are in one line of memory.
+/// Size of cells. Boxes are 1 on average; cells are larger, so that most cells fit in one cache
+/// line.
 const CELL: f64 = 1.75;
 
 pub(crate) fn compare(count: usize, steps: usize) -> Result<()> {
@@ -77,7 +78,7 @@ fn all_pairs(boxes: &[MinMax]) -> Vec<[u32; 2]> {
     pairs
 }
 
-/// The pairs of one sorted list that are not in another.
+/// Returns the pairs of one sorted list that are not in another.
 fn without(pairs: &[[u32; 2]], others: &[[u32; 2]]) -> Vec<[u32; 2]> {
     pairs.iter().filter(|pair| others.binary_search(pair).is_err()).copied().collect()
 }

@@ -1,9 +1,11 @@
-//! Space partitions beside parry3d's `Bvh`, kiddo and rstar, in one run on one thread, every answer checked.
+//! Space partitions compared with parry3d's `Bvh`, kiddo and rstar, in one run on one thread. Every
+//! answer is checked.
 //!
 //! `cargo run --release -p impinge-bench --features peers --bin partitions`
 //!
-//! Boxes have coordinates that single precision holds, so that parry3d gets the same ones. Times are of the processor, the
-//! least and the median of the steps; a step starts with all new boxes and ends with a list of pairs, sorted for ours.
+//! Boxes have coordinates that single precision holds, so that parry3d gets the same boxes. Times
+//! are processor times, the minimum and the median of the steps. A step starts with all new boxes
+//! and ends with a list of pairs, which is sorted for ours.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
@@ -22,16 +24,16 @@ struct Arguments {
     /// Numbers of boxes that all move
     #[arg(long, value_name = "N", value_delimiter = ',', default_values_t = [1_000, 10_000, 100_000, 1_000_000])]
     counts: Vec<usize>,
-    /// Steps of each
+    /// Number of steps of each
     #[arg(long, value_name = "N", default_value_t = 9)]
     steps: usize,
-    /// Boxes of which one in a thousand moves
+    /// Number of boxes of which one in a thousand moves
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
     many: usize,
-    /// Boxes and points that are asked for
+    /// Number of boxes and of points in the queries
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     asked: usize,
-    /// Print what takes how long where all boxes move, and nothing else, as JSON
+    /// Print only the times with all boxes moving, as JSON
     #[arg(long)]
     json: bool,
 }

@@ -1,4 +1,4 @@
-//! Questions: nearest boxes beside kiddo's points, and boxes beside rstar's.
+//! Queries: nearest points compared with kiddo, and overlapping boxes compared with rstar.
 
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -15,10 +15,10 @@ use rstar::{AABB, PointDistance, RTree};
 
 use crate::scenes::like;
 
-/// Questions of a run.
+/// Number of queries per run.
 const ASKED: usize = 10_000;
 
-/// Runs of each, of which the least counts.
+/// Number of runs of each. The minimum time counts.
 const RUNS: usize = 5;
 
 pub(crate) fn compare(count: usize) -> Result<()> {
@@ -72,7 +72,7 @@ fn boxes(count: usize) -> Result<()> {
     Ok(())
 }
 
-/// The nearest of points, and the least squared distance, which all agree on.
+/// Times the nearest point. All agree on the sum of the smallest squared distances.
 fn points(count: usize) -> Result<()> {
     println!("the nearest of {count} points, a question");
     let mut rng = Rng::new(20);
@@ -91,7 +91,7 @@ fn points(count: usize) -> Result<()> {
     let mut measure = |name: &str, ask: &dyn Fn() -> f64| -> Result<()> {
         let seconds = Samples::take(RUNS, || {
             let (seconds, sum) = processor_timed(|| black_box(ask()));
-            // The order of three sums may differ in the last place.
+            // The order of three sums may differ, which changes the last place.
             ensure!((sum - expected).abs() <= 1e-12 * expected, "{name} is {sum} away, not {expected}");
             Ok(seconds)
         })?;
@@ -109,7 +109,7 @@ fn points(count: usize) -> Result<()> {
     Ok(())
 }
 
-/// How many boxes rstar finds.
+/// Returns the number of boxes that rstar finds.
 fn met(tree: &RTree<GeomWithData<Rectangle<[f64; 3]>, u32>>, bounds: &MinMax) -> usize {
     tree.locate_in_envelope_intersecting(AABB::from_corners(bounds.min(), bounds.max())).count()
 }

@@ -1,4 +1,4 @@
-//! Steady coming and going.
+//! Steps in which bodies are steadily added and removed.
 
 use anyhow::{Result, ensure};
 use impinge::Pose;
@@ -44,7 +44,7 @@ pub(crate) fn steady(count: usize, steps: usize) -> Result<()> {
                     }
                 }
             }
-            // Bodies that went after they were to move.
+            // Drop moves of bodies that were removed afterwards.
             moves.retain(|(body, _)| world.pose(*body).is_ok());
             let (seconds, work) = timed(|| world.step(&moves).map(|events| events.work));
             let Work { changed, gained, lost, examined, candidates } = work?;

@@ -12,7 +12,7 @@ use impinge_testkit::generate::Rng;
 
 use crate::scenes::{boxed, size};
 
-/// Steps before times are taken: a choice that is left to the world takes some.
+/// Number of steps before times are taken. With `Auto` the world needs some steps to choose.
 const WARM: usize = 10;
 
 const PHASES: [&str; 5] = ["realign", "take", "broad", "narrow", "report"];
@@ -37,7 +37,8 @@ pub(crate) fn compare(count: usize, moving: usize, steps: usize) -> Result<()> {
     Ok(())
 }
 
-/// The least times of a step, of its phases, and of a step of a grid alone with the same boxes; and the pairs at the end.
+/// Returns the minimum times of a step, of its phases, and of a step of a grid alone with the same
+/// boxes; and the pairs at the end.
 fn measure(
     broad_phase: BroadPhase,
     count: usize,

@@ -1,4 +1,4 @@
-//! Which broad phase is the quickest where.
+//! Times of all broad phases in many scenes.
 
 use anyhow::{Result, ensure};
 use impinge::Pose;
@@ -9,7 +9,7 @@ use impinge_testkit::generate::Rng;
 
 use crate::scenes::{boxed, size};
 
-/// Kinds and what they are called.
+/// Kinds and their names.
 const KINDS: [(BroadPhase, &str); 7] = [
     (BroadPhase::Auto, "auto"),
     (BroadPhase::Every, "every"),
@@ -20,10 +20,11 @@ const KINDS: [(BroadPhase, &str); 7] = [
     (BroadPhase::ThreeAxes, "three axes"),
 ];
 
-/// Seconds of a step above which a kind is left out at more bodies of the same scene: ten times as many take it seconds.
+/// Time of a step in seconds above which a kind is skipped for larger scenes. Ten times as many
+/// bodies would take seconds.
 const HOPELESS: f64 = 0.05;
 
-/// Seconds of steps that a time is the least of, after three.
+/// Total time of the measured steps in seconds. The minimum counts, after at least three steps.
 const MEASURED: f64 = 0.05;
 
 pub(crate) fn compare(most: usize) -> Result<()> {
@@ -48,7 +49,7 @@ pub(crate) fn compare(most: usize) -> Result<()> {
                 let mut cells = vec![count.to_string(), share_name.to_owned(), sizes.to_owned()];
                 let mut expected: Option<Vec<PairKey>> = None;
                 for ((kind, name), is_hopeless) in KINDS.into_iter().zip(&mut is_hopeless) {
-                    // The axes take as long to fill as many steps take.
+                    // Filling the axes takes as long as many steps.
                     if *is_hopeless || name.contains("ax") && count > 10_000 {
                         cells.push("-".to_owned());
                         continue;
@@ -70,7 +71,7 @@ pub(crate) fn compare(most: usize) -> Result<()> {
     Ok(())
 }
 
-/// The least time of a step, and the pairs after three.
+/// Returns the minimum time of a step, and the pairs after three steps.
 fn step_time(broad_phase: BroadPhase, count: usize, share: f64, is_spread: bool) -> Result<(f64, Vec<PairKey>)> {
     let mut rng = Rng::new(9);
     let reach = (count as f64).cbrt();
@@ -96,7 +97,7 @@ fn step_time(broad_phase: BroadPhase, count: usize, share: f64, is_spread: bool)
         if step == 2 {
             pairs = world.pairs().map(|pair| pair.key).collect();
         }
-        // A choice that is left to the world takes some steps.
+        // With `Auto` the world needs some steps to choose.
         let least = if broad_phase == BroadPhase::Auto { 12 } else { 3 };
         if step + 1 >= least && sum > MEASURED {
             break;

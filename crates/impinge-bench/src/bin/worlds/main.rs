@@ -1,9 +1,10 @@
-//! Worlds of many moving bodies: meshes that tumble in a box, how steady steps are under churn, and which broad phase is the
-//! quickest where.
+//! Worlds of many moving bodies: meshes that tumble in a box, the steadiness of steps while bodies
+//! are added and removed, and the fastest broad phase for many scenes.
 //!
 //! `cargo run --release -p impinge-bench --bin worlds -- meshes`
 //!
-//! Every answer is checked: pairs of meshes with the verb for two, pairs of boxes between all broad phases.
+//! Every answer is checked: pairs of meshes with the query for two meshes, and pairs of boxes
+//! between all broad phases.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]
@@ -22,14 +23,15 @@ use clap::{Parser, Subcommand};
 struct Arguments {
     #[command(subcommand)]
     question: Question,
-    /// How many threads to use; all processors without it
+    /// Number of threads; all processors by default
     #[arg(long, global = true)]
     threads: Option<usize>,
 }
 
 #[derive(Subcommand)]
 enum Question {
-    /// Bodies that share a few meshes of 20,480 triangles, tumbling in a box, decided exactly, at 60 steps a second
+    /// Bodies that share a few meshes of 20,480 triangles, tumbling in a box, decided exactly, at
+    /// 60 steps per second
     Meshes {
         #[arg(long, default_value_t = 2000)]
         bodies: usize,
@@ -42,7 +44,8 @@ enum Question {
         #[arg(long)]
         contacts: bool,
     },
-    /// Steps with steady coming and going: work and times, the median and the worst in a thousand
+    /// Steps in which bodies are steadily added and removed: work and times, the median and the
+    /// 99.9th percentile
     Churn {
         #[arg(long, default_value_t = 10_000)]
         bodies: usize,
@@ -54,7 +57,7 @@ enum Question {
         #[arg(long, default_value_t = 100_000)]
         most: usize,
     },
-    /// A few of many boxes move: a step by its phases, beside one of the partition alone
+    /// A few of many boxes move: a step by its phases, and a step of the partition alone
     Few {
         #[arg(long, default_value_t = 1_000_000)]
         bodies: usize,

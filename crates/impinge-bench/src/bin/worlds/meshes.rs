@@ -11,7 +11,8 @@ use impinge_bench::table::{Table, time};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::solids::icosphere;
 
-/// Three blobs of 20,480 triangles, from round to knobbly, about as large as a ball of radius 1.
+/// Returns three blobs of 20,480 triangles, from round to knobbly, about as large as a sphere of
+/// radius 1.
 fn blobs() -> Result<Vec<Mesh>> {
     let ball = icosphere(5);
     let knobs = [0.0, 0.2, 0.4];
@@ -40,7 +41,7 @@ struct Tumbler {
 }
 
 impl Tumbling {
-    /// A step at 60 a second.
+    /// Returns the moves of one step, at 60 steps per second.
     fn moves(&mut self) -> Result<Vec<(BodyId, Pose)>> {
         let mut moves = Vec::with_capacity(self.bodies.len());
         for body in &mut self.bodies {
@@ -63,7 +64,7 @@ impl Tumbling {
 
 pub(crate) fn tumble(count: usize, steps: usize, filled: f64, contacts: bool) -> Result<()> {
     let meshes = blobs()?;
-    // Balls of radius 1.
+    // Spheres of radius 1.
     let reach = 0.5 * (count as f64 * 4.18879 / filled).cbrt();
     println!("{count} bodies of {} triangles in a box of {:.1}, {steps} steps", meshes[0].faces().len(), 2.0 * reach);
     let mut table =
@@ -130,7 +131,7 @@ pub(crate) fn tumble(count: usize, steps: usize, filled: f64, contacts: bool) ->
     Ok(())
 }
 
-/// Whether the pairs of some bodies are those that the verb for two meshes finds.
+/// Checks the pairs of some bodies against the query for two meshes.
 fn check(world: &World, tumbling: &Tumbling, meshes: &[Mesh]) -> Result<()> {
     let placed = |at: usize| meshes[at % meshes.len()].at(tumbling.bodies[at].pose);
     for a in (0..tumbling.bodies.len()).step_by(tumbling.bodies.len().div_ceil(20)) {

@@ -15,14 +15,14 @@ use super::{Random, aimed, dot, fitted, robot, sub};
 fn outside(volume: &HitVolume, point: [f64; 3]) -> f64 {
     let distance = |a, b| dot(sub(a, b), sub(a, b)).sqrt();
     match volume {
-        HitVolume::Sphere(sphere) => distance(point, sphere.centre()) - sphere.radius(),
+        HitVolume::Sphere(sphere) => distance(point, sphere.center()) - sphere.radius(),
         HitVolume::Capsule(capsule) => {
             let [a, b] = capsule.ends();
             let t = (dot(sub(point, a), sub(b, a)) / dot(sub(b, a), sub(b, a)).max(1e-300)).clamp(0.0, 1.0);
             distance(point, [0, 1, 2].map(|k| a[k] + t * (b[k] - a[k]))) - capsule.radius()
         }
         HitVolume::Box(obb) => {
-            let along = obb.axes().map(|axis| dot(axis, sub(point, obb.centre())));
+            let along = obb.axes().map(|axis| dot(axis, sub(point, obb.center())));
             (0..3).map(|k| along[k].abs() - obb.half_extents()[k]).fold(f64::NEG_INFINITY, f64::max)
         }
         HitVolume::Lozenge(_) | HitVolume::Hull(_) => volume.signed_distance(point),

@@ -27,8 +27,8 @@ fn a_punch_through_the_body_in_one_step_is_detected() {
         let strikes = posed.strikes(&posed, &fist, &from, &to).unwrap();
         assert!(strikes.is_sorted_by(|a, b| a.t <= b.t));
         let touches = |step: u32| {
-            let centre = ray.at(40.0 * f64::from(step) / 4000.0);
-            surface.mesh().closest_point(centre).unwrap().is_some_and(|p| p.upper <= 0.12)
+            let center = ray.at(40.0 * f64::from(step) / 4000.0);
+            surface.mesh().closest_point(center).unwrap().is_some_and(|p| p.upper <= 0.12)
         };
         let Some(truth) = (0..=4000).find(|&step| touches(step)) else { continue };
         let first = strikes.first().expect("the volumes hold the surface");
@@ -89,9 +89,9 @@ fn shapes_meshes_and_characters_strike_the_same_parts() {
         let poses = [random.pose(&rig), random.pose(&rig)];
         let [a, b] = [&poses[0], &poses[1]].map(|pose| Posed::new(&character, pose));
         // A tetrahedron as a hull and as a mesh.
-        let centre = random.vector(1.0);
+        let center = random.vector(1.0);
         let corners: Vec<[f64; 3]> =
-            (0..4).map(|_| random.unit()).map(|u| [0, 1, 2].map(|k| centre[k] + u[k] + [0.0, 2.0, 0.0][k])).collect();
+            (0..4).map(|_| random.unit()).map(|u| [0, 1, 2].map(|k| center[k] + u[k] + [0.0, 2.0, 0.0][k])).collect();
         let hull = impinge::hull::Hull::new(&corners).unwrap();
         let mesh = Mesh::new(Positions::F64(hull.positions().to_vec()), hull.faces().to_vec()).unwrap();
         let shape = Shape::hull(hull.into()).at(Pose::IDENTITY).unwrap();

@@ -56,10 +56,10 @@ fn largest_share(rig: &Rig, tree: &SkinTree, pose: &SkinPose) -> f64 {
     }
     let mut most = 0.0_f64;
     for node in 0..tree.nodes.len() as u32 {
-        let (centre, radius) = tree.sphere(node, pose);
+        let (center, radius) = tree.sphere(node, pose);
         for corner in faces_of(tree, node).into_iter().flat_map(|face| rig.skin().faces()[face as usize]) {
-            let share = length(&sub(&vertices[corner as usize], &centre)) / radius;
-            assert!(share <= 1.0, "vertex {corner} of node {node} is {share} radii from its centre");
+            let share = length(&sub(&vertices[corner as usize], &center)) / radius;
+            assert!(share <= 1.0, "vertex {corner} of node {node} is {share} radii from its center");
             most = most.max(share);
         }
     }

@@ -105,7 +105,7 @@ fn trial(rng: &mut Rng) -> Trial {
 }
 
 #[test]
-fn carried_boxes_hold_the_exact_images() {
+fn moved_boxes_contain_the_exact_images() {
     let mut rng = Rng::new(72);
     for round in 0..600 {
         let mut trial = trial(&mut rng);

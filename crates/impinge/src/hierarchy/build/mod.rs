@@ -10,7 +10,7 @@
 //! | insertion: one box after the other | `dynamic.rs`, `../dynamic/` | O(n log n) |
 //! | any of these, then improved by moving subtrees | `reinsertion.rs` | O(n log n) and a bounded search for each node |
 //!
-//! `docs/hierarchies.md` compares their measurements. [`Builder::Auto`] follows them.
+//! `docs/notes/hierarchies.md` compares their measurements. [`Builder::Auto`] follows them.
 
 mod binned_sah;
 mod bins;
@@ -24,7 +24,7 @@ mod sweep_sah;
 mod top_down;
 
 pub use dynamic::DynamicTree;
-pub use reinsertion::optimise;
+pub use reinsertion::optimize;
 
 use super::binary::{BinaryTree, LEAF_CAPACITY};
 use super::morton::build_morton;
@@ -65,7 +65,7 @@ pub enum Builder {
     Ploc,
     /// Inserts one box after the other, as a [`DynamicTree`] does.
     Insertion,
-    /// [`Ploc`](Self::Ploc), then improved by [`optimise`]. The slowest build.
+    /// [`Ploc`](Self::Ploc), then improved by [`optimize`]. The slowest build.
     Reinsertion,
 }
 
@@ -157,7 +157,7 @@ impl Builder {
                 }
                 tree.to_binary(capacity)
             }
-            Self::Reinsertion => optimise(&ploc::build(boxes, capacity), boxes, capacity),
+            Self::Reinsertion => optimize(&ploc::build(boxes, capacity), boxes, capacity),
         }
     }
 }

@@ -34,7 +34,7 @@ const MAX_VISITED: usize = 512;
 /// # Complexity
 /// A search of bounded length for each node, a bounded number of times, and O(n log n).
 #[must_use]
-pub fn optimise(tree: &BinaryTree, boxes: &[Aabb], capacity: usize) -> BinaryTree {
+pub fn optimize(tree: &BinaryTree, boxes: &[Aabb], capacity: usize) -> BinaryTree {
     if tree.nodes.is_empty() {
         return tree.clone();
     }

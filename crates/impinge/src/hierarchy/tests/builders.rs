@@ -93,7 +93,7 @@ fn reinsertion_never_increases_the_cost() {
         let boxes = &boxes[..boxes.len().min(25_000)];
         for builder in [Builder::Morton, Builder::Median] {
             let tree = builder.build(boxes);
-            let better = optimise(&tree, boxes, LEAF_CAPACITY);
+            let better = optimize(&tree, boxes, LEAF_CAPACITY);
             depth_of_binary(name, &better, boxes);
             let (before, after) = (cost(&tree), cost(&better));
             assert!(after <= before * (1.0 + 1e-9), "{name}, {}: {before} became {after}", builder.name());

@@ -1,5 +1,5 @@
-//! The distance from the border beyond which an open mesh may be treated as closed (docs/proof.md,
-//! L19a).
+//! The distance from the border beyond which an open mesh may be treated as closed
+//! (docs/notes/proof.md, L19a).
 //!
 //! Let the cap be a surface that has the border of the mesh, reversed, as its own border. The mesh
 //! and the cap together are closed and wind around every point off them an integer number of times.

@@ -1,5 +1,5 @@
 //! The moments of the faces below each node of a tree, about a center of each node, for winding
-//! numbers seen from afar (docs/proof.md, L17).
+//! numbers seen from afar (docs/notes/proof.md, L17).
 //!
 //! Source: Barill, Dickson, Schmidt, Levin and Jacobson, *Fast Winding Numbers for Soups and
 //! Clouds*, ACM Transactions on Graphics 37(4), 2018.

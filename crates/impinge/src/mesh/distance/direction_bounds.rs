@@ -292,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_reaches_farther_than_is_said() {
+    fn reaches_are_upper_bounds() {
         let knot = torus_knot(96, 24, TREFOIL);
         let mesh = Mesh::new(Positions::F64(knot.vertices), knot.faces).expect("a mesh");
         let mut rng = Rng::new(33);

@@ -7,7 +7,7 @@
 //! finite bound, and the bound holds for it. When the meshes have moved, each bound is reduced by
 //! the largest motion of any point below the two children. Only pairs whose bound is then within
 //! the distance that matters are processed again, which raises bounds or adds entries. No pair is
-//! skipped otherwise (docs/proof.md, L14a).
+//! skipped otherwise (docs/notes/proof.md, L14a).
 //!
 //! Bounds are in units of the host's packed frame, in which the host does not move.
 //!

@@ -1,7 +1,7 @@
 //! The triangles of a leaf in the metric frame, in single precision relative to a local origin, for
 //! proving eight pairs at a time too far apart to matter.
 //!
-//! Error bounds: docs/proof.md, L14. Guarded by `tests/it/distance/meshes.rs`.
+//! Error bounds: docs/notes/proof.md, L14. Guarded by `tests/it/distance/meshes.rs`.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
@@ -43,7 +43,7 @@ impl Leaf {
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, leaf: u32, packet: &Packet<'_>, mesh: &Mesh, map: &MetricMap) -> Self {
         let unit = 1.0 / mesh.0.frame.scale;
-        let [x, y, z] = packet.anchor;
+        let [x, y, z] = packet.local_origin;
         let linear = map.linear.map(|row| row.map(|entry| entry * unit));
         let origin = by_axis!(axis => {
             let row = &linear[axis];

@@ -147,7 +147,7 @@ impl Middle {
         let (normal, [low, high]) = packet.slab();
         let share = dot(along, &normal) / dot(&normal, &normal);
         let rest: Vector = by_axis!(k => along[k] - share * normal[k]);
-        let aside: Vector = by_axis!(k => packet.anchor[k] - self.center[k]);
+        let aside: Vector = by_axis!(k => packet.local_origin[k] - self.center[k]);
         self.reach(&rest) + share * (dot(&normal, &aside) + if share > 0.0 { high } else { low })
     }
 }

@@ -52,7 +52,7 @@ impl Metric {
     /// A coordinate of a metric corner takes six roundings of terms that sum to the mesh's
     /// half-extent on that axis, and two roundings of the offset. Evaluating the offset adds 2^-98
     /// of the terms that cancel in it. All of them are counted as eight roundings. The closed form
-    /// of two triangles adds [`CLOSED_FORM_ERROR`] of the diagonal (docs/proof.md, L14).
+    /// of two triangles adds [`CLOSED_FORM_ERROR`] of the diagonal (docs/notes/proof.md, L14).
     pub(crate) fn new(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Self {
         let placed = [a, b];
         let first = usize::from(precedes(b, a));

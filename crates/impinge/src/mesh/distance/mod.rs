@@ -2,7 +2,7 @@
 //!
 //! Source: Larsen, Gottschalk, Lin, Manocha, *Fast proximity queries with swept sphere volumes*,
 //! ICRA 2000, for distance by the descent of two trees. Ours departs in two ways: it compares eight
-//! children with eight, nearest first, and its bounds are proved (docs/proof.md, L14).
+//! children with eight, nearest first, and its bounds are proved (docs/notes/proof.md, L14).
 //!
 //! Whether the meshes intersect is decided first, exactly. If they do not intersect, every pair of
 //! faces has a *value*: the distance of its metric corners (see `metric`), computed by the closed

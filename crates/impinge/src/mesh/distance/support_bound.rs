@@ -108,7 +108,7 @@ impl SupportBound {
             gradient[0] * at[0] + gradient[1] * at[1] + gradient[2] * at[2]
         });
         let slack = 8.0 * HALF_ULP * f64::from(packet.radius) * self.size + f64::from(f32::MIN_POSITIVE);
-        let origin = dot(&self.gradient, &packet.anchor) + self.base + slack;
+        let origin = dot(&self.gradient, &packet.local_origin) + self.base + slack;
         (heights[0].max(heights[1]).max(heights[2]), origin)
     }
 }

@@ -30,7 +30,7 @@ pub struct Aging {
 impl Aging {
     /// Ratio of the costs above which a rebuild pays, if the mesh is queried more than once between
     /// moves. A smaller value causes rebuilds that gain little; a larger one leaves queries slower
-    /// than necessary. The measurement is in `docs/hierarchies.md`.
+    /// than necessary. The measurement is in `docs/notes/hierarchies.md`.
     pub const WORTH_REBUILDING: f64 = 1.5;
 
     /// Returns the cost now divided by the cost when built: 1 for a new hierarchy, and less than 1

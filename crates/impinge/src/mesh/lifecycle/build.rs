@@ -1,8 +1,8 @@
 //! Builds a mesh: a builder lays out the faces, and the code of a refit fits the boxes and slabs to
 //! the vertices.
 //!
-//! Guarded by `a_refit_to_where_it_was_changes_no_bit` in `engine/moving.rs` and by the benchmark
-//! `headline`.
+//! Guarded by `a_refit_to_the_same_positions_changes_no_bit` in `engine/moving.rs` and by the
+//! benchmark `headline`.
 
 use std::sync::Arc;
 

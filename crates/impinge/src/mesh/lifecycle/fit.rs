@@ -1,12 +1,12 @@
 //! Fits nodes to the corners below them: computes their boxes and slabs in the packed frame,
-//! rounded outward (docs/proof.md, L1, L2a and L26).
+//! rounded outward (docs/notes/proof.md, L1, L2a and L26).
 //!
 //! All leaves of a node are processed together. Their corners are kept in single precision,
 //! relative to one corner of the patch, until the nodes above are fitted. A patch is a subtree that
 //! one thread refits.
 //!
-//! Guarded by the tests below, by `a_refit_to_where_it_was_changes_no_bit` in `engine/moving.rs`,
-//! and by the benchmark `refit`.
+//! Guarded by the tests below, by `a_refit_to_the_same_positions_changes_no_bit` in
+//! `engine/moving.rs`, and by the benchmark `refit`.
 
 use std::ops::Range;
 
@@ -234,7 +234,7 @@ mod tests {
             let [patch] = &Patches::of(&data.tree, data.leaves.len()).patches[..] else { panic!("one patch") };
             for (name, level) in levels() {
                 let mut nodes = data.tree.nodes().to_vec();
-                moved.fit_patch(level, patch, &mut nodes, &data.leaves, &mut Vec::new());
+                moved.fit_subtree(level, patch, &mut nodes, &data.leaves, &mut Vec::new());
                 let (fitted, built) = (bytemuck::cast_slice::<_, u8>(&nodes), bytemuck::cast_slice(data.tree.nodes()));
                 assert!(fitted == built, "{name}: other bits");
             }

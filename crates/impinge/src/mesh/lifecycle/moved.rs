@@ -27,7 +27,7 @@ impl Moved<'_> {
         let nodes = tree.nodes_mut();
         let work = patches.split(nodes);
         let fit = |corners: &mut _, Work { patch, nodes }: Work<'_>| {
-            self.fit_patch(best_level(), &patch, nodes, &leaves[patch.leaves.clone()], corners)
+            self.fit_subtree(best_level(), &patch, nodes, &leaves[patch.leaves.clone()], corners)
         };
         let areas: Vec<f64> = work.into_par_iter().map_init(Vec::new, fit).collect();
         patches.refit_above(nodes);
@@ -36,7 +36,7 @@ impl Moved<'_> {
 
     /// Computes the boxes and slabs of one patch, and returns the sum of the areas below its nodes.
     /// `corners` is a buffer that calls reuse.
-    pub(super) fn fit_patch(
+    pub(super) fn fit_subtree(
         &self,
         level: Level,
         patch: &Patch,

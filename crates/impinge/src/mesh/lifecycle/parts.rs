@@ -165,7 +165,7 @@ impl Data {
         let (nodes, leaves) = (&self.tree.nodes()[patch.nodes.clone()], &self.leaves[patch.leaves.clone()]);
         refitted.clear();
         refitted.extend_from_slice(nodes);
-        moved.fit_patch(best_level(), patch, refitted, leaves, corners);
+        moved.fit_subtree(best_level(), patch, refitted, leaves, corners);
         bytemuck::cast_slice::<_, u8>(refitted) == bytemuck::cast_slice::<_, u8>(nodes)
     }
 }

@@ -3,7 +3,7 @@
 //! A builder only chooses the *layout* of a hierarchy: the children of each node, and the lane of
 //! each face. All numbers, such as boxes, slabs and local origins, follow from the layout and the
 //! vertices. A build and a refit compute them by the same operations. So a refit to the vertices
-//! that a mesh was built from changes no bit (docs/proof.md, L26).
+//! that a mesh was built from changes no bit (docs/notes/proof.md, L26).
 //!
 //! Guarded by the tests in `engine/moving.rs` and by the benchmark `refit`.
 

@@ -39,7 +39,7 @@ pub(crate) fn any_hit(a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_
 }
 
 /// Reports whether two faces intersect. Returns `false` if either face index is out of range.
-pub(crate) fn faces_meet(a: PlacedMesh<'_>, b: PlacedMesh<'_>, [face_a, face_b]: [u32; 2]) -> bool {
+pub(crate) fn faces_intersect(a: PlacedMesh<'_>, b: PlacedMesh<'_>, [face_a, face_b]: [u32; 2]) -> bool {
     (face_a as usize) < a.mesh.faces().len()
         && (face_b as usize) < b.mesh.faces().len()
         && triangles_intersect(
@@ -83,7 +83,7 @@ fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Option
         host_slabs: &relation.slabs,
         guest_slabs: &back.slabs,
         stretch: relation.stretch as f32,
-        askew: &|| relation.askew(),
+        edge_cross: &|| relation.edge_cross(),
     };
     let (Some(root), true) = (descent.root(), wanted.kept > 0) else { return Vec::new() };
 

@@ -1,5 +1,6 @@
 //! Compares packets of triangles with packets in single precision. It finds the pairs of triangles
-//! whose boxes overlap, and classifies them: apart, intersecting or undecided (docs/proof.md, L4).
+//! whose boxes overlap, and classifies them: apart, intersecting or undecided (docs/notes/proof.md,
+//! L4).
 //!
 //! Guarded by the tests in `filter/tests.rs`, by `engine/triangle_pairs.rs` and `engine/laws.rs`,
 //! and by the benchmark `headline`.
@@ -102,7 +103,7 @@ impl Guest {
         store3(&max, &mut self.boxes.max);
         width(&min, &max).store_slice(&mut self.width);
         self.lanes_in_use = u64::MAX >> (u64::BITS - LANES as u32 * packet.lanes_in_use().count_ones()).min(63);
-        self.local_origin = relation.apply(packet.anchor);
+        self.local_origin = relation.apply(packet.local_origin);
         let CornerError { per_radius, constant, of_bounds } = relation.corner_error;
         self.error = per_radius * packet.radius + constant;
         self.normal = back.turn_back(packet.normal());
@@ -141,7 +142,7 @@ impl Guest {
     /// lie along each other.
     #[inline(always)]
     pub(crate) fn test_slabs<S: Simd>(&self, simd: S, host: &Packet<'_>, lanes: u32) -> SlabTest {
-        let offset: [f32; 3] = by_axis!(axis => (self.local_origin[axis] - host.anchor[axis]) as f32);
+        let offset: [f32; 3] = by_axis!(axis => (self.local_origin[axis] - host.local_origin[axis]) as f32);
         // Error of the host's corners: their own rounding, and that of two sums with an offset of
         // up to the radius of the host packet.
         let error = self.error + 4.0 * HALF_ULP as f32 * host.radius;

@@ -8,7 +8,7 @@
 //! unit sphere. The descent of the mesh skips parts whose faces all share a hub.
 //!
 //! Directions are unit vectors in the mesh frame. Their boxes are enlarged by more than the
-//! rounding error, so no pair is lost (docs/proof.md, L18).
+//! rounding error, so no pair is lost (docs/notes/proof.md, L18).
 //!
 //! Guarded by the tests below and by the benchmark `solids`, "fan with itself".
 
@@ -228,7 +228,7 @@ mod tests {
     use impinge_testkit::generate::{Rng, solids};
 
     use super::*;
-    use crate::exact::{Placement, meet_beyond_shared};
+    use crate::exact::{Placement, intersect_beyond_shared};
     use crate::math::Pose;
     use crate::mesh::pairs::self_descent::{WantedFaces, collect_self_intersecting};
     use crate::mesh::storage::positions::Positions;
@@ -274,7 +274,7 @@ mod tests {
         let is_wanted = |[one, other]: [u32; 2]| wanted(one) || wanted(other);
         pairs
             .filter(|&[one, other]| {
-                is_wanted([one, other]) && meet_beyond_shared(&one_place, &mesh.corners(one), &mesh.corners(other))
+                is_wanted([one, other]) && intersect_beyond_shared(&one_place, &mesh.corners(one), &mesh.corners(other))
             })
             .collect()
     }

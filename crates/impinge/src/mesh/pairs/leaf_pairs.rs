@@ -1,5 +1,5 @@
 //! Pairs of leaves that the descent reaches. They are queued until their memory is prefetched, and
-//! filtered in bulk. Undecided pairs of faces are decided exactly (docs/proof.md, L9).
+//! filtered in bulk. Undecided pairs of faces are decided exactly (docs/notes/proof.md, L9).
 //!
 //! Guarded by the tests in `engine/ways.rs` and `engine/laws.rs`, and by the benchmark `headline`.
 
@@ -13,7 +13,7 @@ use super::large_leaf::LargeLeaf;
 use super::relation::Relation;
 use super::sides::Sides;
 use crate::exact::{Placement, triangles_intersect};
-use crate::hierarchy::{APPROACHED, Large, LeafVisitor, Node, overlapping};
+use crate::hierarchy::{APPROACHES_PER_BATCH, Large, LeafVisitor, Node, overlapping};
 use crate::mesh::Mesh;
 use crate::mesh::storage::packet::Packets;
 use crate::simd::{ALL_LANES, LANES, bits, extend_some, load3, outlined, take_four};
@@ -28,14 +28,14 @@ const LEAF_PAIRS_PER_BATCH: usize = 8;
 /// Capacity of the queue: a batch and the pairs that stay queued, all pairs of the guest leaves
 /// that come in one go, and four that may be written after the last pair.
 const QUEUE_CAPACITY: usize =
-    (MIN_QUEUED_LEAF_PAIRS + LEAF_PAIRS_PER_BATCH + APPROACHED * LANES + 4).next_power_of_two();
+    (MIN_QUEUED_LEAF_PAIRS + LEAF_PAIRS_PER_BATCH + APPROACHES_PER_BATCH * LANES + 4).next_power_of_two();
 
 /// Number of guest leaves that are cached in the host's frame. It is a power of two and exceeds the
 /// number of guest leaves that can be queued. More than half of all guest leaves come again while
 /// they are cached; twice as many would fill the L1 cache and save hardly more.
 pub(in crate::mesh) const CACHED_GUEST_LEAVES: usize = 32;
 
-/// Maximum number of undecided pairs that are put off before they are decided exactly. A decision
+/// Maximum number of undecided pairs that are queued before they are decided exactly. A decision
 /// costs as much as filtering some leaf pairs, any of which may hold a pair that the filter proves
 /// intersecting. If the surfaces only touch, none does, and waiting longer is wasted.
 const MAX_UNDECIDED_PAIRS: usize = 8;
@@ -266,7 +266,7 @@ impl LeafPairs<'_> {
         self.continue_or_stop(MAX_UNDECIDED_PAIRS)
     }
 
-    /// Decides the pairs that were put off if there are more than `max_undecided` of them. Returns
+    /// Decides the queued pairs if there are more than `max_undecided` of them. Returns
     /// `Break` if enough pairs are found.
     #[inline(always)]
     fn continue_or_stop(&mut self, max_undecided: usize) -> ControlFlow<()> {
@@ -276,7 +276,7 @@ impl LeafPairs<'_> {
         if self.found.len() < self.question.wanted.limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
-    /// Decides the pairs that were put off, until enough pairs are found.
+    /// Decides the queued pairs until enough pairs are found.
     #[cold]
     fn decide_undecided(&mut self) {
         let [a, b] = self.packets();
@@ -330,7 +330,7 @@ impl LeafVisitor for LeafPairs<'_> {
     }
 
     #[inline(always)]
-    fn meet<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
+    fn process<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
         for at in self.prefetched..self.queue_len {
             self.host_packets.prefetch(self.queue[(self.oldest + at) % QUEUE_CAPACITY].host_leaf);
         }
@@ -341,7 +341,7 @@ impl LeafVisitor for LeafPairs<'_> {
         ControlFlow::Continue(())
     }
 
-    fn meet_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()> {
+    fn process_below<S: Simd>(&mut self, simd: S, large: Large, node: u32) -> ControlFlow<()> {
         let Question { relation, back, host, guest, sides, .. } = self.question;
         let host = (host.0.tree.nodes(), self.host_packets);
         let guest = (guest.0.tree.nodes(), self.guest_packets);
@@ -379,7 +379,7 @@ impl LeafVisitor for LeafPairs<'_> {
     }
 
     #[inline(always)]
-    fn prefetch_places(&self, guest_leaf: u32, host_leaf: u32) {
+    fn prefetch_addresses(&self, guest_leaf: u32, host_leaf: u32) {
         self.guest_packets.prefetch_place(guest_leaf);
         self.host_packets.prefetch_place(host_leaf);
     }

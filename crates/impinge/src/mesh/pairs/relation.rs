@@ -1,8 +1,8 @@
 //! The map from one mesh's packed frame to the other's, by which the descent and the filter carry
-//! boxes and corners, with bounds of its error (docs/proof.md, L3).
+//! boxes and corners, with bounds of its error (docs/notes/proof.md, L3).
 
 use super::sides::Sides;
-use crate::hierarchy::{Askew, BoxMap, HALF_ULP, SlabMap};
+use crate::hierarchy::{BoxMap, EdgeCrossAxes, HALF_ULP, SlabMap};
 use crate::math::RelativeMap;
 use crate::mesh::storage::frame::{PACKING_ERROR, PackedFrame, REACH};
 use crate::mesh::{HostChoice, PlacedMesh};
@@ -121,8 +121,8 @@ impl Relation {
     }
 
     /// Returns the test along edge-cross axes, which proves long boxes apart that pass each other.
-    pub(crate) fn askew(&self) -> Askew {
-        Askew::new(&self.linear, &self.translation, self.error, REACH)
+    pub(crate) fn edge_cross(&self) -> EdgeCrossAxes {
+        EdgeCrossAxes::new(&self.linear, &self.translation, self.error, REACH)
     }
 
     /// Returns the normal in the guest's frame of planes whose normal in the host's frame is

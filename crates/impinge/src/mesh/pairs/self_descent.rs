@@ -4,7 +4,7 @@
 //! The simultaneous descent of two trees would find every pair of neighbors twice and every face
 //! with itself. Here a node is compared with itself by comparing its children in pairs, so every
 //! unordered pair of leaves is found at most once. Both sides are in one frame, so no box is
-//! carried and none grows (docs/proof.md, L18).
+//! carried and none grows (docs/notes/proof.md, L18).
 //!
 //! Guarded by the tests in `solids/self_intersection.rs` and by the benchmark `solids`.
 
@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::hubs::Hubs;
-use crate::exact::{Corners, Placement, meet_beyond_shared};
+use crate::exact::{Corners, Placement, intersect_beyond_shared};
 use crate::hierarchy::{Child, Node};
 use crate::math::Pose;
 use crate::mesh::Mesh;
@@ -61,8 +61,8 @@ pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: WantedFaces<'_>) ->
     let hubs = Hubs::of(mesh);
     let mut found = descend(mesh, wanted, Some(&hubs)).unwrap_or_default();
     let one_place = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
-    let at_hubs =
-        hubs.collect(mesh, |[one, other]| meet_beyond_shared(&one_place, &mesh.corners(one), &mesh.corners(other)));
+    let at_hubs = hubs
+        .collect(mesh, |[one, other]| intersect_beyond_shared(&one_place, &mesh.corners(one), &mesh.corners(other)));
     found.extend(at_hubs.into_iter().filter(|&[one, other]| wanted.includes(one) || wanted.includes(other)));
     found
 }
@@ -277,7 +277,7 @@ impl Worker<'_> {
             return;
         }
         self.decided += 1;
-        if meet_beyond_shared(&self.one_place, &one.corners, &other.corners) {
+        if intersect_beyond_shared(&self.one_place, &one.corners, &other.corners) {
             self.found.push([one.number.min(other.number), one.number.max(other.number)]);
         }
     }

@@ -1,5 +1,5 @@
 //! Finds the faces of a mesh that may be near something, through the tree, by a caller's bound for
-//! boxes (docs/proof.md, L31).
+//! boxes (docs/notes/proof.md, L31).
 //!
 //! Guarded by `tests/it/shapes/surfaces.rs`.
 

@@ -56,7 +56,7 @@ impl Mesh {
     /// # Complexity
     /// Logarithmic in the faces. It grows with the number of faces that are as near as the nearest.
     pub fn closest_point(&self, point: [f64; 3]) -> Result<Option<ClosestPoint>, InputError> {
-        InputError::judge_row(&point, "point", 0)?;
+        InputError::validate_row(&point, "point", 0)?;
         Ok(self.nearest_to(&point))
     }
 
@@ -67,7 +67,7 @@ impl Mesh {
     /// Returns an error for the first invalid point, as [`closest_point`](Self::closest_point)
     /// does. Then no point is processed.
     pub fn closest_points(&self, points: &[[f64; 3]]) -> Result<Vec<Option<ClosestPoint>>, InputError> {
-        points.iter().enumerate().try_for_each(|(index, point)| InputError::judge_row(point, "point", index))?;
+        points.iter().enumerate().try_for_each(|(index, point)| InputError::validate_row(point, "point", index))?;
         Ok(points.par_iter().with_min_len(MIN_POINTS_PER_TASK).map(|point| self.nearest_to(point)).collect())
     }
 

@@ -5,7 +5,7 @@
 //! if it is on opposite sides of two edges. Ours departs in that a side only counts if it is
 //! certain. This test culls triangles, and `primitive::ray_triangle` decides about the rest.
 //!
-//! Error bound: docs/proof.md, L15. Guarded by the test below and by the benchmark `rays` of
+//! Error bound: docs/notes/proof.md, L15. Guarded by the test below and by the benchmark `rays` of
 //! `impinge-bench`.
 
 use fearless_simd::prelude::*;
@@ -56,7 +56,7 @@ impl Line {
     #[inline(always)]
     pub(in crate::mesh) fn may_intersect<S: Simd>(&self, simd: S, packet: &Packet<'_>) -> u32 {
         let [i, j, k] = self.axes;
-        let from: [f64; 3] = by_axis!(axis => self.origin[axis] - packet.anchor[axis]);
+        let from: [f64; 3] = by_axis!(axis => self.origin[axis] - packet.local_origin[axis]);
         let passes = [from[i] - self.slopes[0] * from[k], from[j] - self.slopes[1] * from[k]];
         let far = from[0].abs().max(from[1].abs()).max(from[2].abs());
         let error = 2.0 * (PACKING_ERROR + self.error) + 8.0 * UNIT_ROUNDOFF * far;
@@ -101,7 +101,7 @@ mod tests {
     /// Aims lines at corners, edges and places beside triangles of many sizes, from near and far.
     /// No triangle that a line intersects may be culled, and nearly all other triangles must be.
     #[test]
-    fn what_a_line_meets_is_never_left_out() {
+    fn triangles_on_a_line_are_never_culled() {
         let mut rng = Rng::new(77);
         let (mut intersected, mut kept, mut left_out) = (0, 0, 0);
         for round in 0..600 {

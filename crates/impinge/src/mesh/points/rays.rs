@@ -4,7 +4,7 @@
 //! rounding. Ours departs in that rays are moved along themselves to near the mesh, and boxes are
 //! grown by a bound of all rounding errors. Whether a ray intersects a triangle, and which of two
 //! triangles it intersects first, is decided exactly (see `primitive::ray_triangle`). So no ray
-//! passes between two faces that share an edge or a corner (docs/proof.md, L15).
+//! passes between two faces that share an edge or a corner (docs/notes/proof.md, L15).
 //!
 //! Guarded by `tests/it/distance/rays.rs` and by the benchmark `rays` of `impinge-bench`.
 
@@ -39,8 +39,8 @@ impl Ray {
     /// Returns an error if a number is not finite or above 2^300 in magnitude, or if the direction
     /// is zero.
     pub fn new(origin: [f64; 3], direction: [f64; 3]) -> Result<Self, InputError> {
-        InputError::judge_row(&origin, "ray origin", 0)?;
-        InputError::judge_row(&direction, "ray direction", 0)?;
+        InputError::validate_row(&origin, "ray origin", 0)?;
+        InputError::validate_row(&direction, "ray direction", 0)?;
         if direction == [0.0; 3] {
             return Err(InputError::new(InputErrorKind::ZeroDirection { index: 0 }));
         }

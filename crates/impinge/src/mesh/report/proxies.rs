@@ -1,7 +1,7 @@
 //! The volumes that may replace a mesh: the convex hull and the bounding volumes of its surface,
 //! made, stored and proved.
 //!
-//! Proof: docs/proof.md, L27a. Guarded by `tests/it/hull/proxies.rs`.
+//! Proof: docs/notes/proof.md, L27a. Guarded by `tests/it/hull/proxies.rs`.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

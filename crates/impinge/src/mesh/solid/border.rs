@@ -1,5 +1,5 @@
 //! The parts of space that are far from the border of an open mesh, which counts as closed there
-//! (docs/proof.md, L19a).
+//! (docs/notes/proof.md, L19a).
 //!
 //! Guarded by the test below and by `tests/it/solids/open.rs`.
 

@@ -1,5 +1,5 @@
 //! The faces that hold a point, and the number of other faces that a ray along an axis crosses,
-//! both exact (docs/proof.md, L16).
+//! both exact (docs/notes/proof.md, L16).
 //!
 //! Guarded by `tests/it/solids/winding.rs` and `containment.rs`, and by the benchmark `solids` of
 //! `impinge-bench`.

@@ -1,5 +1,5 @@
 //! The faces that a winding number depends on, and the sheets that they form along shared edges
-//! (docs/proof.md, L19).
+//! (docs/notes/proof.md, L19).
 //!
 //! A face without area adds nothing to any winding number. Faces with the same three corners add
 //! nothing either if as many of them turn one way as the other. Such faces are the shared walls of

@@ -1,5 +1,5 @@
 //! Directions from a point, the angles between them, and the solid angles of faces, each with an
-//! error bound (docs/proof.md, L17).
+//! error bound (docs/notes/proof.md, L17).
 //!
 //! Guarded by `tests/it/solids/winding.rs`.
 

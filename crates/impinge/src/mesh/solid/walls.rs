@@ -1,11 +1,11 @@
-//! The sides of a face on which the solid of a mesh is (docs/proof.md, L19 and L19a).
+//! The sides of a face on which the solid of a mesh is (docs/notes/proof.md, L19 and L19a).
 //!
 //! Guarded by `tests/it/solids/bricks.rs` and `open.rs`.
 
 use rayon::prelude::*;
 
 use super::sheets::turn_along_some_axis;
-use super::winding::Judge;
+use super::winding::PointClassifier;
 use crate::exact::{AxisRay, Corners, PosedPoint, Spot};
 use crate::math::Sign;
 use crate::mesh::Mesh;
@@ -47,14 +47,17 @@ impl Walls {
             }
         }
         let cap = mesh.cap();
-        let wall = |judge: &mut Judge<'_>, face: u32| {
+        let wall = |classifier: &mut PointClassifier<'_>, face: u32| {
             if intersects_others[face as usize] || !cap.is_far_from(&mesh.corners(face)) {
                 Wall::Unknown
             } else {
-                judge.wall_at_inner_point(face)
+                classifier.wall_at_inner_point(face)
             }
         };
-        let walls = faces.par_iter().map_init(|| Judge::new(mesh), |judge, &face| wall(judge, face)).collect();
+        let walls = faces
+            .par_iter()
+            .map_init(|| PointClassifier::new(mesh), |classifier, &face| wall(classifier, face))
+            .collect();
         Self { faces, walls }
     }
 
@@ -64,7 +67,7 @@ impl Walls {
     }
 }
 
-impl Judge<'_> {
+impl PointClassifier<'_> {
     /// Returns the wall of a face at one of its inner points. The face must be far from the border.
     fn wall_at_inner_point(&mut self, face: u32) -> Wall {
         let corners = self.mesh.corners(face);

@@ -17,8 +17,8 @@
 //! for a soup of triangles, the solid angles of the faces are summed up instead. Far faces are
 //! summed up by expansions.
 //!
-//! Proof: docs/proof.md, L16 and L17. Guarded by `tests/it/solids/winding.rs` and `containment.rs`,
-//! and by the benchmark `solids` of `impinge-bench`.
+//! Proof: docs/notes/proof.md, L16 and L17. Guarded by `tests/it/solids/winding.rs` and
+//! `containment.rs`, and by the benchmark `solids` of `impinge-bench`.
 
 use rayon::prelude::*;
 
@@ -70,7 +70,7 @@ impl WindingNumber {
     /// Maximum number of border edges that are summed up for each point. If the border is longer,
     /// expansions of the faces are summed up instead. A larger number costs time in proportion to
     /// the border. A smaller number gives wider intervals to meshes that could have narrow ones.
-    pub const LONG_BORDER: usize = 8192;
+    pub const MAX_BORDER_EDGES: usize = 8192;
 
     fn exactly(count: i64) -> Self {
         let value = count as f64;
@@ -118,7 +118,7 @@ impl Mesh {
     /// # Accuracy
     /// Exact off the surface of a closed mesh. Otherwise the interval is proved, and about 1e-13
     /// wide for a border of a thousand edges. It is at most 1e-5 wide if the border is longer than
-    /// [`LONG_BORDER`](WindingNumber::LONG_BORDER), as far as rounding allows.
+    /// [`MAX_BORDER_EDGES`](WindingNumber::MAX_BORDER_EDGES), as far as rounding allows.
     ///
     /// # Complexity
     /// For each point, logarithmic in the faces for each layer that a ray crosses, and linear in
@@ -132,16 +132,15 @@ impl Mesh {
     /// ```
     /// use impinge::{Mesh, Positions};
     ///
-    /// // A tetrahedron without the face that is farthest from the origin.
-    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    /// let open = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2]])?;
-    /// assert!(!open.is_closed());
-    /// let [deep, out] = open.winding_number(&[[0.1, 0.1, 0.1], [0.5, 0.5, 0.5]])?[..] else { unreachable!() };
-    /// assert!(deep.lower > 0.5 && out.upper < 0.5);
+    /// // A tetrahedron without the face that is farthest from the origin. let corners = vec![[0.0,
+    /// 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]; let open =
+    /// Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2]])?;
+    /// assert!(!open.is_closed()); let [deep, out] = open.winding_number(&[[0.1, 0.1, 0.1], [0.5,
+    /// 0.5, 0.5]])?[..] else { unreachable!() }; assert!(deep.lower > 0.5 && out.upper < 0.5);
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     pub fn winding_number(&self, points: &[[f64; 3]]) -> Result<Vec<WindingNumber>, InputError> {
-        self.for_each_point(points, |judge, point| judge.winding_number(point))
+        self.for_each_point(points, |classifier, point| classifier.winding_number(point))
     }
 
     /// Returns the positions of points, given in the mesh's own frame, relative to the mesh taken
@@ -162,20 +161,20 @@ impl Mesh {
     /// use impinge::mesh::Containment::{Inside, Outside, Surface};
     /// use impinge::{Mesh, Positions};
     ///
-    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    /// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-    /// let solid = Mesh::new(Positions::F32(corners), faces)?;
-    /// assert_eq!(solid.contains(&[[0.1, 0.1, 0.1], [0.5, 0.5, 0.0], [0.5, 0.5, 1e-300]])?, [Inside, Surface, Outside]);
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]; let
+    /// faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]; let solid =
+    /// Mesh::new(Positions::F32(corners), faces)?; assert_eq!(solid.contains(&[[0.1, 0.1, 0.1],
+    /// [0.5, 0.5, 0.0], [0.5, 0.5, 1e-300]])?, [Inside, Surface, Outside]);
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     pub fn contains(&self, points: &[[f64; 3]]) -> Result<Vec<Containment>, InputError> {
-        self.for_each_point(points, |judge, point| judge.containment(point))
+        self.for_each_point(points, |classifier, point| classifier.containment(point))
     }
 
     fn for_each_point<T: Send>(
         &self,
         points: &[[f64; 3]],
-        answer: impl Fn(&mut Judge<'_>, &PosedPoint<'_>) -> T + Sync,
+        answer: impl Fn(&mut PointClassifier<'_>, &PosedPoint<'_>) -> T + Sync,
     ) -> Result<Vec<T>, InputError> {
         const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
         if let Some(index) = points.par_iter().position_first(|point| !point.iter().all(|x| x.abs() < LIMIT)) {
@@ -187,10 +186,10 @@ impl Mesh {
             }));
         }
         self.topology();
-        let judge = || Judge::new(self);
+        let classifier = || PointClassifier::new(self);
         Ok(points
             .par_iter()
-            .map_init(judge, |judge, &point| answer(judge, &PosedPoint::local(Spot::At(point))))
+            .map_init(classifier, |classifier, &point| answer(classifier, &PosedPoint::local(Spot::At(point))))
             .collect())
     }
 }
@@ -204,12 +203,12 @@ const NARROW_ERROR: f64 = 1e-9;
 const WIDE_ERROR: f64 = 5e-6;
 
 /// Computes the positions of points relative to one mesh, and keeps the working memory for it.
-pub(crate) struct Judge<'m> {
+pub(crate) struct PointClassifier<'m> {
     pub(in crate::mesh) mesh: &'m Mesh,
     pub(in crate::mesh) stack: Vec<u32>,
 }
 
-impl<'m> Judge<'m> {
+impl<'m> PointClassifier<'m> {
     pub(crate) fn new(mesh: &'m Mesh) -> Self {
         Self { mesh, stack: Vec::new() }
     }
@@ -231,7 +230,7 @@ impl<'m> Judge<'m> {
     }
 
     fn has_long_border(&self) -> bool {
-        self.mesh.topology().border.len() > WindingNumber::LONG_BORDER
+        self.mesh.topology().border.len() > WindingNumber::MAX_BORDER_EDGES
     }
 
     /// Returns the winding number of the mesh about a point.

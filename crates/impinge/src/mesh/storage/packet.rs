@@ -3,7 +3,7 @@
 //! a large mesh are never reached, and packets would be most of the memory that a build or a refit
 //! writes.
 //!
-//! Guarded by the tests of `triangles`, by `a_refit_forgets_what_questions_kept` in the tests
+//! Guarded by the tests of `triangles`, by `a_refit_discards_cached_packets` in the tests
 //! `engine/moving.rs`, and by the benchmark `headline`.
 
 use std::ops::Deref;
@@ -21,7 +21,7 @@ use crate::simd::{LANES, outlined, prefetch};
 pub(crate) struct Packet<'a> {
     pub(crate) leaf: &'a Leaf,
     /// Local origin of the triangles, in the packed frame.
-    pub(crate) anchor: [f64; 3],
+    pub(crate) local_origin: [f64; 3],
     triangles: &'a Triangles,
 }
 
@@ -132,12 +132,12 @@ impl<'a> Packets<'a> {
             None => self.make(simd, at / LEAVES_PER_BLOCK),
         };
         let triangles = &block[at % LEAVES_PER_BLOCK];
-        let anchor = match &self.corners {
+        let local_origin = match &self.corners {
             Corners::Single(stored) => stored.frame().pack(stored.origin_in_mesh_frame(triangles.local_origin)),
             Corners::SingleWidened(stored) => stored.frame().pack(stored.origin_in_mesh_frame(triangles.local_origin)),
             Corners::Double(stored) => stored.frame().pack(stored.origin_in_mesh_frame(triangles.local_origin)),
         };
-        Packet { leaf: self.leaf(leaf), anchor, triangles }
+        Packet { leaf: self.leaf(leaf), local_origin, triangles }
     }
 
     /// Makes the packets of a block of leaves. If two threads make the same block, one result is

@@ -3,7 +3,7 @@
 //!
 //! Vertices in single precision are mapped in single precision with one rounding: the difference of
 //! two of them, times a power of two. Double precision is used if vertices are stored in it, or if
-//! that product could leave the range of single precision (docs/proof.md, L4).
+//! that product could leave the range of single precision (docs/notes/proof.md, L4).
 //!
 //! Guarded by `triangles_are_where_their_corners_are` in `triangles.rs`, the tests of
 //! `lifecycle/fit.rs`, and the benchmark `headline`.
@@ -109,7 +109,7 @@ pub(in crate::mesh) trait StoredCorners: Copy + Sync {
     fn twice_reach(&self) -> Aabb;
 
     /// Returns the boxes between extremes in the packed frame, rounded to nearest and then outward
-    /// (docs/proof.md, L1).
+    /// (docs/notes/proof.md, L1).
     #[inline(always)]
     fn bounds(&self, [least, greatest]: &[Points<f64>; 2]) -> BoxLanes {
         let PackedFrame { origin, scale } = *self.frame();

@@ -20,7 +20,7 @@ pub(crate) type CornerLanes = [[[f32; LANES]; 3]; 3];
 ///
 /// In the packed frame, a corner is the local origin plus its entry of `corners`. The error is at
 /// most `HALF_ULP · radius` for the rounding to single precision, plus [`PACKING_ERROR`] for the
-/// arithmetic before that (docs/proof.md, L4).
+/// arithmetic before that (docs/notes/proof.md, L4).
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C, align(64))]
 pub(crate) struct Triangles {

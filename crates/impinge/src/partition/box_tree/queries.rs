@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::super::best::{Best, distance_squared, in_range};
-use super::super::{Cells, Holds, Items, Neighbour, Partition, Ray, RayVisit, Visitor, Work};
+use super::super::{Cells, Holds, Items, Neighbor, Partition, Ray, RayVisit, Visitor, Work};
 use super::{BoxTree, DynamicNode, MinMax};
 use crate::hierarchy::Stack;
 use crate::volume::BoundingVolume;
@@ -81,7 +81,7 @@ impl Partition for BoxTree {
     }
 
     /// Descends depth first, into the nearer child before the other.
-    fn nearest(&self, point: [f64; 3], count: usize) -> Vec<Neighbour> {
+    fn nearest(&self, point: [f64; 3], count: usize) -> Vec<Neighbor> {
         let mut best = Best::new(count);
         let Some(root) = self.bvh.root().filter(|_| in_range(&point) && count > 0) else { return Vec::new() };
         let distance = |node: u32| (distance_squared(&point, &self.node(node).bounds), node);

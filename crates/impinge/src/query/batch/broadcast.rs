@@ -1,30 +1,31 @@
-//! NumPy's broadcasting of the leading axes of two operands.
+//! Broadcasting of the leading axes of two operands, as in NumPy.
 
 use std::error::Error;
 use std::fmt;
 
-/// Which row of either operand each row of the answer takes. Rows are counted in row-major order.
+/// Rows of two operands that each row of an answer uses. Rows are counted in row-major order.
 #[derive(Clone, Debug)]
 pub struct Broadcast {
     shape: Vec<usize>,
     rows: usize,
-    /// Steps in each operand along each axis of the answer; zero where one entry serves the whole axis.
+    /// Step in each operand along each axis of the answer. Zero if one entry serves the whole axis.
     steps: [Vec<usize>; 2],
 }
 
-/// Two operands whose leading axes do not fit, or that have more rows than can be counted.
+/// Error: the leading axes of two operands do not broadcast, or there are more rows than a `usize`
+/// can count.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BroadcastError {
-    /// The leading axes of the operands.
+    /// Leading axes of the two operands.
     pub shapes: [Vec<usize>; 2],
 }
 
 impl Broadcast {
-    /// Returns how two operands with these leading axes broadcast: axes are aligned at the last one, and an axis of length 1, or one
-    /// that is not there, takes the length of the other's.
+    /// Returns how two operands with these leading axes broadcast. Axes are aligned at the last
+    /// one. An axis that has length 1 or is missing takes the length of the other operand's axis.
     ///
     /// # Errors
-    /// If two lengths differ and neither is 1, or if there are more rows than a `usize` counts.
+    /// If two lengths differ and neither is 1, or if the number of rows exceeds a `usize`.
     ///
     /// ```
     /// use impinge::query::batch::Broadcast;
@@ -50,7 +51,7 @@ impl Broadcast {
                 _ => return None,
             });
         }
-        // An empty axis makes the answer empty, however long the others are.
+        // An empty axis makes the answer empty, however long the other axes are.
         let counted = shape.iter().try_fold(1_usize, |rows, &extent| rows.checked_mul(extent));
         let rows = if shape.contains(&0) { 0 } else { counted? };
         let steps = [a, b].map(|own| {
@@ -78,10 +79,11 @@ impl Broadcast {
         self.rows
     }
 
-    /// Returns the rows of the two operands that a row of the answer takes.
+    /// Returns the row of each operand that a row of the answer uses. `row` must be less than
+    /// [`rows`](Self::rows); otherwise the result is meaningless.
     ///
     /// # Panics
-    /// If there is no row at all. The result means nothing if there is no such row.
+    /// If the answer has no rows, unless it has exactly one leading axis.
     #[must_use]
     pub fn sources(&self, row: usize) -> [usize; 2] {
         if let [_] = self.shape[..] {
@@ -98,7 +100,7 @@ impl Broadcast {
         sources
     }
 
-    /// Returns the place of a row along each of some leading axes.
+    /// Returns the index of a row along each of the leading axes `shape`.
     ///
     /// # Panics
     /// If an axis has length zero, so that there is no row.

@@ -1,4 +1,4 @@
-//! Rows shared out to threads.
+//! Rows that are given to threads.
 
 use std::collections::TryReserveError;
 use std::error::Error;
@@ -10,20 +10,23 @@ use rayon::prelude::*;
 
 use crate::mesh::Interrupt;
 
-/// Number of blocks that rows are divided into, unless blocks would be too long: enough for many threads.
+/// Number of blocks that rows are divided into, if blocks do not become too long: enough for many
+/// threads.
 const BLOCKS: usize = 64;
 
-/// Maximum number of rows of a block. Longer blocks learn more from row to row, but balance threads worse.
-const LONGEST_BLOCK: usize = 64;
+/// Maximum number of rows of a block. In longer blocks more rows start from the state of the row
+/// before, but the work is divided less evenly between threads.
+const MAX_BLOCK_ROWS: usize = 64;
 
-/// Number of blocks that are answered before their answers are put into one array, so that memory for a second copy of all
-/// answers is never needed.
-const WAVE: usize = 1 << 12;
+/// Number of blocks that are answered before their answers are moved into one array. This avoids a
+/// second copy of all answers in memory.
+const BLOCKS_PER_WAVE: usize = 1 << 12;
 
-/// How rows are answered: on which threads, until when, and who hears how far they are.
+/// Options of a batch: the threads that answer its rows, an interrupt, and a progress callback.
 ///
-/// A block of consecutive rows is answered by one thread, so that a row may learn from the row before it. How many rows a block has
-/// depends on their number alone: one if there are up to 64 rows, and at most 64. On the caller's thread all rows are one block.
+/// One thread answers a block of consecutive rows, so that each row can start from the state of the
+/// row before. The length of a block depends on the number of rows alone: one row if there are up
+/// to 64 rows, and 64 rows at most. On the caller's thread all rows are one block.
 ///
 /// ```
 /// use impinge::query::batch::Execution;
@@ -39,52 +42,56 @@ pub struct Execution<'e> {
     progress: Option<&'e (dyn Fn(usize) + Sync)>,
 }
 
-/// Why there are no answers.
+/// Reason why a batch returns no answers.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Stopped {
-    /// The interrupt asked for it.
+    /// The interrupt ended the batch.
     Interrupted,
-    /// There is no memory for this many answers.
+    /// The memory for the answers cannot be allocated.
     OutOfMemory(TryReserveError),
 }
 
 impl Default for Execution<'_> {
-    /// On all threads of the current rayon pool, to the end.
+    /// Returns the default: all threads of the current rayon pool, without an interrupt.
     fn default() -> Self {
         Self { is_sequential: false, interrupt: Interrupt::NEVER, progress: None }
     }
 }
 
 impl<'e> Execution<'e> {
-    /// Keeps all rows on the caller's thread.
+    /// Returns these options with all rows on the caller's thread.
     #[must_use]
     pub fn sequentially(self) -> Self {
         Self { is_sequential: true, ..self }
     }
 
-    /// Gives up once the interrupt asks for it. It is asked before each row, and within those that it can end early.
+    /// Returns these options with an interrupt that ends the batch without answers. It is checked
+    /// before each row, and within rows of queries that can end early.
     #[must_use]
     pub fn with_interrupt(self, interrupt: Interrupt<'e>) -> Self {
         Self { interrupt, ..self }
     }
 
-    /// Calls `progress` with the number of rows of each block that is done. Several threads may call it at once.
+    /// Returns these options with a callback. After each block it receives the number of rows in
+    /// the block. Several threads may call it at the same time.
     #[must_use]
     pub fn with_progress(self, progress: &'e (dyn Fn(usize) + Sync)) -> Self {
         Self { progress: Some(progress), ..self }
     }
 
-    /// Says nothing of how far the rows are.
+    /// Returns these options without a progress callback.
     pub(crate) fn without_progress(self) -> Self {
         Self { progress: None, ..self }
     }
 
-    /// Asks `ask` about each row, with an interrupt that ends it early too. Each block of consecutive rows starts with what `begin`
-    /// returns.
+    /// Returns the result of `ask` for each row, in order. `ask` gets the state of its block, the
+    /// row and an interrupt that can end the row early. `begin` makes the state of each block of
+    /// consecutive rows.
     ///
     /// # Errors
-    /// [`Stopped`] if the interrupt asked for it, or if there is no memory for the answers.
+    /// [`Stopped`] if the interrupt ended the batch, or if the memory for the answers cannot be
+    /// allocated.
     pub fn rows<S, T: Send>(
         self,
         count: usize,
@@ -93,7 +100,8 @@ impl<'e> Execution<'e> {
     ) -> Result<Vec<T>, Stopped> {
         let mut answers = Vec::new();
         answers.try_reserve_exact(count).map_err(Stopped::OutOfMemory)?;
-        // A row that ended early has no answer. One that ended before anybody asked has.
+        // A row that was interrupted has no valid answer. A row that ended before the interrupt has
+        // one.
         let is_stopped = AtomicBool::new(false);
         let is_wanted = || {
             let is_wanted = is_stopped.load(Ordering::Relaxed) || self.interrupt.is_wanted();
@@ -103,10 +111,10 @@ impl<'e> Execution<'e> {
         if self.is_sequential {
             self.answer_rows(0..count, &mut begin(), &ask, &is_wanted, &mut answers);
         } else {
-            let length = count.div_ceil(BLOCKS).clamp(1, LONGEST_BLOCK);
+            let length = count.div_ceil(BLOCKS).clamp(1, MAX_BLOCK_ROWS);
             let blocks = count.div_ceil(length);
-            for first in (0..blocks).step_by(WAVE) {
-                let wave: Vec<Vec<T>> = (first..blocks.min(first + WAVE))
+            for first in (0..blocks).step_by(BLOCKS_PER_WAVE) {
+                let wave: Vec<Vec<T>> = (first..blocks.min(first + BLOCKS_PER_WAVE))
                     .into_par_iter()
                     .map(|number| {
                         let rows = number * length..((number + 1) * length).min(count);
@@ -121,7 +129,8 @@ impl<'e> Execution<'e> {
         if is_stopped.into_inner() { Err(Stopped::Interrupted) } else { Ok(answers) }
     }
 
-    /// Answers consecutive rows, each of which may learn from the row before it. It stops once that is wanted.
+    /// Appends the answers of consecutive rows, each of which can start from the state of the row
+    /// before. Stops before the next row once `is_wanted` returns `true`.
     fn answer_rows<S, T>(
         &self,
         rows: Range<usize>,
@@ -157,8 +166,8 @@ impl fmt::Debug for Execution<'_> {
 impl fmt::Display for Stopped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Interrupted => f.write_str("the work was interrupted"),
-            Self::OutOfMemory(_) => f.write_str("there is no memory for the answers"),
+            Self::Interrupted => f.write_str("the batch was interrupted"),
+            Self::OutOfMemory(_) => f.write_str("not enough memory for the answers"),
         }
     }
 }

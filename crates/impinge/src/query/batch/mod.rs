@@ -1,8 +1,10 @@
-//! The verbs over many poses: one answer for each row of poses, on all threads.
+//! Queries at many poses: one answer for each row of poses, computed on all threads.
 //!
-//! A [`Batch`] has two things and the poses of each. Leading axes of poses broadcast as in NumPy. Every row is answered by the verb of
-//! [`query`](crate::query) at its poses, and has a [`Status`]. A row whose pose cannot be used gets the safe answer. Blocks
-//! of consecutive rows share a [`Cache`](super::Cache), so the poses of a motion take less time than the same poses shuffled.
+//! A [`Batch`] has two things and the poses of each. Leading axes of poses broadcast as in NumPy.
+//! Each row gets the answer of the query of the same name in [`query`](crate::query) at its poses,
+//! and a [`Status`]. A row with an invalid pose gets the safe answer. Consecutive rows share a
+//! [`Cache`](super::Cache), so that the poses of a motion take less time than the same poses
+//! shuffled.
 //!
 //! ```
 //! use impinge::query::batch::{Batch, Poses};
@@ -18,8 +20,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! `broadcast` pairs the rows of two operands, `poses` has poses and their faults, `execution` shares out rows to threads, `answers` has
-//! what is returned, and `verbs` the verbs.
+//! `broadcast` pairs the rows of two operands, `poses` has poses and their errors, and `side` one
+//! thing at its poses. `execution` gives rows to threads, `answers` has the answers, and `verbs`
+//! the queries.
 
 mod answers;
 mod broadcast;

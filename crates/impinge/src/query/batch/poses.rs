@@ -1,11 +1,12 @@
-//! Poses with leading axes, some of which may be faulty.
+//! Poses with leading axes. Some of the poses may be invalid.
 
 use std::collections::BTreeMap;
 
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 
-/// Poses in rows with leading axes, in row-major order. A faulty one keeps its row, and its error.
+/// Poses in rows with leading axes, in row-major order. An invalid pose keeps its row and its
+/// error.
 #[derive(Clone, Debug)]
 pub struct Poses {
     shape: Vec<usize>,
@@ -14,32 +15,33 @@ pub struct Poses {
 }
 
 impl Default for Poses {
-    /// The identity, without leading axes.
+    /// Returns the identity, without leading axes.
     fn default() -> Self {
         Self::from(Pose::IDENTITY)
     }
 }
 
 impl From<Pose> for Poses {
-    /// One pose, without leading axes.
+    /// Returns one pose, without leading axes.
     fn from(pose: Pose) -> Self {
         Self { shape: Vec::new(), poses: vec![pose], faults: BTreeMap::new() }
     }
 }
 
 impl From<Vec<Pose>> for Poses {
-    /// Poses along one leading axis.
+    /// Returns poses along one leading axis.
     fn from(poses: Vec<Pose>) -> Self {
         Self { shape: vec![poses.len()], poses, faults: BTreeMap::new() }
     }
 }
 
 impl Poses {
-    /// Returns the poses of 4 x 4 matrices, whose rows have these leading axes. A matrix that is no pose becomes a faulty row
-    /// ([`Pose::from_matrix`]).
+    /// Returns the poses of 4 x 4 matrices, in row-major order of the leading axes `shape`. A
+    /// matrix that is not a valid pose becomes a row with an error ([`Pose::from_matrix`]).
     ///
     /// # Errors
-    /// [`OtherCount`](InputErrorKind::OtherCount) if the number of matrices is not the product of the leading axes.
+    /// [`OtherCount`](InputErrorKind::OtherCount) if the number of matrices is not the product of
+    /// the leading axes.
     ///
     /// ```
     /// use impinge::query::batch::Poses;
@@ -66,7 +68,7 @@ impl Poses {
         Ok(Self { shape: shape.to_vec(), poses, faults })
     }
 
-    /// Returns the leading axes; none for a single pose.
+    /// Returns the leading axes. Empty for a single pose.
     #[must_use]
     pub fn shape(&self) -> &[usize] {
         &self.shape
@@ -84,13 +86,13 @@ impl Poses {
         self.poses.is_empty()
     }
 
-    /// Returns the pose of a row; the error if it is faulty.
+    /// Returns the pose of a row.
     ///
     /// # Errors
-    /// That of the row.
+    /// The error of the row, if its pose is invalid.
     ///
     /// # Panics
-    /// If there is no such row.
+    /// If `row` is not less than [`len`](Self::len).
     pub fn get(&self, row: usize) -> Result<&Pose, &InputError> {
         match self.faults.get(&row) {
             Some(error) => Err(error),
@@ -98,22 +100,24 @@ impl Poses {
         }
     }
 
-    /// Returns the first faulty row and its error.
+    /// Returns the first row with an invalid pose and its error, or `None` if all poses are valid.
     #[must_use]
     pub fn first_fault(&self) -> Option<(usize, &InputError)> {
         self.faults.iter().next().map(|(&row, error)| (row, error))
     }
 
-    /// Returns the poses of all rows, in row-major order. A faulty row has the identity.
+    /// Returns the poses of all rows, in row-major order. A row with an invalid pose has the
+    /// identity.
     #[must_use]
     pub fn into_all(self) -> Vec<Pose> {
         self.poses
     }
 
-    /// Makes each row faulty that `judge` refuses.
-    pub(crate) fn refuse(&mut self, judge: impl Fn(&Pose) -> Result<(), InputError>) {
+    /// Adds an error to each row whose pose `check` rejects. A row keeps an error that it already
+    /// has.
+    pub(crate) fn reject_if(&mut self, check: impl Fn(&Pose) -> Result<(), InputError>) {
         for (row, pose) in self.poses.iter().enumerate() {
-            if let Err(error) = judge(pose) {
+            if let Err(error) = check(pose) {
                 self.faults.entry(row).or_insert(error);
             }
         }

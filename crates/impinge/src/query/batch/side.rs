@@ -13,14 +13,16 @@ use crate::shape::{PlacedShape, Shape};
 pub(super) struct Side {
     shape: Shape,
     poses: Poses,
-    /// The shape at each pose, if several rows share one; absent for a mesh, which is placed at no cost.
+    /// The shape at each pose, if several rows share one pose. Absent for a mesh, which is placed
+    /// at no cost.
     placed: Option<Vec<Result<PlacedShape, InputError>>>,
 }
 
 impl Side {
+    /// Checks the poses against the shape: round shapes need rigid poses.
     pub(super) fn new(shape: Shape, mut poses: Poses) -> Self {
         if !shape.is_affine() {
-            poses.refuse(|pose| shape.judge(pose));
+            poses.reject_if(|pose| shape.check_pose(pose));
         }
         Self { shape, poses, placed: None }
     }
@@ -39,12 +41,15 @@ impl Side {
         &self.poses
     }
 
-    /// Reports whether it is always decided whether the thing intersects another one of this kind.
+    /// Reports whether queries with two things of this kind are never undecided.
     pub(super) fn is_exact(&self) -> bool {
         self.shape.is_affine() && !self.shape.as_mesh().is_some_and(|(_, is_solid)| is_solid)
     }
 
-    /// Returns the thing at the pose of a row; the error if that is faulty.
+    /// Returns the thing at the pose of a row.
+    ///
+    /// # Errors
+    /// The error of the pose, if it is invalid.
     pub(super) fn at(&self, row: usize) -> Result<Placed<'_>, InputError> {
         if let Some(placed) = &self.placed {
             return placed[row].as_ref().map(Into::into).map_err(Clone::clone);

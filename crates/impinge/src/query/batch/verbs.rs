@@ -1,4 +1,4 @@
-//! The verbs over many poses.
+//! Queries at many poses.
 
 use std::sync::Arc;
 
@@ -10,12 +10,16 @@ use super::side::Side;
 use crate::mesh::Interrupt;
 use crate::query::penetration::solid;
 use crate::query::{
-    Cache, ContactOptions, Curves, Distance, Manifold, Penetrates, Penetration, Placed, Proximity, Query, SomePairs,
+    Cache, ContactOptions, Curves, Distance, LimitedPairs, Manifold, Penetrates, Penetration, Placed, Proximity, Query,
     intersection_curves, nearness, penetrates, penetration, proximity,
 };
 use crate::shape::Shape;
 
-/// Two things and the poses at which a verb is asked about them. It is cheap to clone.
+/// Two things and the poses at which queries are asked. Cloning it is fast.
+///
+/// Every query returns [`Answers`]: a value and a [`Status`] for each row. The values are in the
+/// world frame, with the accuracy of the query of the same name in [`query`](crate::query). A row
+/// with an invalid pose gets the safe answer that the query names here.
 #[derive(Clone, Debug)]
 pub struct Batch<'e> {
     sides: Arc<[Side; 2]>,
@@ -24,7 +28,10 @@ pub struct Batch<'e> {
 }
 
 impl<'e> Batch<'e> {
-    /// Returns a batch of two things, each a mesh, a solid (`mesh.solid()`), a shape or a compound, at their poses.
+    /// Returns a batch of two things at their poses. Each thing is a mesh, a solid
+    /// (`mesh.solid()`), a shape or a compound.
+    ///
+    /// Invalid poses are no error here: their rows get a [`Status`].
     ///
     /// # Errors
     /// If the leading axes of the poses do not broadcast.
@@ -40,8 +47,9 @@ impl<'e> Batch<'e> {
         Ok(Self { sides: Arc::new(sides), broadcast, execution: Execution::default() })
     }
 
-    /// Answers the rows as stated. An interrupt ends a row early as
-    /// [`Query::with_interrupt`](crate::query::Query::with_interrupt) says.
+    /// Returns this batch with options: threads, an interrupt, a progress callback. The interrupt
+    /// can also end a row early, as [`Query::with_interrupt`](crate::query::Query::with_interrupt)
+    /// describes.
     #[must_use]
     pub fn with_execution(self, execution: Execution<'e>) -> Self {
         Self { execution, ..self }
@@ -53,16 +61,19 @@ impl<'e> Batch<'e> {
         self.broadcast.rows()
     }
 
-    /// Returns the poses of either thing. Those that it cannot stand are faulty, such as those that are not rigid for a round shape.
+    /// Returns the poses of each thing. A pose that its thing does not accept is invalid, for
+    /// example a pose of a round shape that is not rigid.
     #[must_use]
     pub fn poses(&self) -> [&Poses; 2] {
         self.sides.each_ref().map(Side::poses)
     }
 
-    /// Asks `ask` about each row, with a query that has the cache of its block and the interrupt. A row with a faulty pose gets `safe`.
+    /// Returns the result of `ask` for each row. `ask` gets a query with the cache of its block and
+    /// the interrupt, and the two things at their poses. A row with an invalid pose gets `safe`.
     ///
     /// # Errors
-    /// As all verbs here: [`Stopped`] if the interrupt asked for it, or if there is no memory for the answers.
+    /// [`Stopped`] if the interrupt ended the batch, or if the memory for the answers cannot be
+    /// allocated. The same holds for all queries of a batch.
     pub fn each<T: Clone + Send + Sync>(
         &self,
         safe: T,
@@ -79,7 +90,7 @@ impl<'e> Batch<'e> {
         Ok(Answers { shape: self.broadcast.shape().to_vec(), values, status: self.status() })
     }
 
-    /// Returns the status of each row by its poses.
+    /// Returns the status of each row, as far as its poses decide it.
     fn status(&self) -> Vec<Status> {
         let mut status = vec![Status::Ok; self.rows()];
         if self.poses().iter().all(|poses| poses.first_fault().is_none()) {
@@ -93,77 +104,82 @@ impl<'e> Batch<'e> {
         status
     }
 
-    /// As [`proximity`](crate::query::proximity). The safe answer is `Undecided`.
+    /// Returns [`proximity`](crate::query::proximity()) for each row. The safe answer is
+    /// `Undecided`.
     ///
     /// # Errors
-    /// As [`each`](Self::each).
+    /// As for [`each`](Self::each).
     pub fn proximity(&self) -> Result<Answers<Proximity>, Stopped> {
         let answers = self.each(Proximity::Undecided, |query, a, b| query.proximity(a, b))?;
-        Ok(answers.judged(|&found| found == Proximity::Undecided))
+        Ok(answers.mark_undecided(|&found| found == Proximity::Undecided))
     }
 
-    /// As [`intersects`](crate::query::intersects). The safe answer is true.
+    /// Returns [`intersects`](crate::query::intersects()) for each row. The safe answer is `true`.
     ///
     /// # Errors
-    /// As [`each`](Self::each).
+    /// As for [`each`](Self::each).
     pub fn intersects(&self) -> Result<Answers<bool>, Stopped> {
         Ok(self.proximity()?.map(|found| found != Proximity::Apart))
     }
 
-    /// As [`nearness`](crate::query::nearness). The safe answer is `Undecided`.
+    /// Returns [`nearness`](crate::query::nearness()) for each row. The safe answer is `Undecided`.
     ///
     /// # Errors
-    /// As [`each`](Self::each).
+    /// As for [`each`](Self::each).
     pub fn nearness(&self, clearance: f64) -> Result<Answers<Proximity>, Stopped> {
         let answers = self.each(Proximity::Undecided, |query, a, b| query.nearness(a, b, clearance))?;
-        Ok(answers.judged(|&found| found == Proximity::Undecided))
+        Ok(answers.mark_undecided(|&found| found == Proximity::Undecided))
     }
 
-    /// As [`within`](crate::query::within). The safe answer is true.
+    /// Returns [`within`](crate::query::within()) for each row. The safe answer is `true`.
     ///
     /// # Errors
-    /// As [`each`](Self::each).
+    /// As for [`each`](Self::each).
     pub fn within(&self, clearance: f64) -> Result<Answers<bool>, Stopped> {
         Ok(self.nearness(clearance)?.map(|found| found != Proximity::Apart))
     }
 
-    /// As [`distance`](crate::query::distance()). The safe answer is zero, without a witness.
+    /// Returns [`distance`](crate::query::distance()) for each row. The safe answer is zero,
+    /// without nearest points.
     ///
     /// # Errors
-    /// As [`each`](Self::each).
+    /// As for [`each`](Self::each).
     pub fn distance(&self) -> Result<Answers<Distance>, Stopped> {
         const SAFE: Distance = Distance { lower: 0.0, upper: 0.0, witness: None, proximity: Proximity::Undecided };
         let answers = self.each(SAFE, |query, a, b| query.distance(a, b))?;
-        Ok(answers.judged(|found| found.proximity == Proximity::Undecided))
+        Ok(answers.mark_undecided(|found| found.proximity == Proximity::Undecided))
     }
 
-    /// As [`penetrates`](crate::query::penetrates()). The safe answer is `Undecided`.
+    /// Returns [`penetrates`](crate::query::penetrates()) for each row. The safe answer is
+    /// `Undecided`.
     ///
     /// # Errors
-    /// As [`each`](Self::each).
+    /// As for [`each`](Self::each).
     pub fn penetrates(&self) -> Result<Answers<Penetrates>, Stopped> {
         let answers = self.each(Penetrates::Undecided, |_, a, b| penetrates(a, b))?;
-        Ok(answers.judged(|&found| found == Penetrates::Undecided))
+        Ok(answers.mark_undecided(|&found| found == Penetrates::Undecided))
     }
 
-    /// As [`penetration`](crate::query::penetration()). The safe answer is a depth from zero to infinity.
+    /// Returns [`penetration`](crate::query::penetration()) for each row. The safe answer is a
+    /// depth between zero and infinity, [`Penetration::UNKNOWN`].
     ///
     /// # Errors
-    /// As [`each`](Self::each).
+    /// As for [`each`](Self::each).
     pub fn penetration(&self) -> Result<Answers<Option<Penetration>>, Stopped> {
         let answers = self.each((Some(Penetration::UNKNOWN), false), |_, a, b| {
             let found = penetration(&a, &b);
-            // Things that are deep in each other intersect for certain.
+            // A lower bound above zero proves that the things intersect.
             let may_touch = found.is_some_and(|found| found.lower == 0.0);
             (found, may_touch && proximity(solid(&a), solid(&b)) == Proximity::Undecided)
         })?;
-        Ok(answers.judged(|found| found.1).map(|found| found.0))
+        Ok(answers.mark_undecided(|found| found.1).map(|found| found.0))
     }
 
-    /// As [`contacts`](crate::query::contacts), with these options. The safe answer is an empty list.
+    /// Returns [`contacts`](crate::query::contacts()) for each row, with these options. The safe
+    /// answer is an empty list; check the status of the row.
     ///
     /// # Errors
-    /// As [`each`](Self::each).
+    /// As for [`each`](Self::each).
     pub fn contacts(&self, options: ContactOptions) -> Result<Answers<Vec<Manifold>>, Stopped> {
         let is_exact = self.sides.iter().all(Side::is_exact);
         let answers = self.each((Vec::new(), false), |query, a, b| {
@@ -171,14 +187,15 @@ impl<'e> Batch<'e> {
             let may_touch = !is_exact && !found.is_empty();
             (found, may_touch && nearness(&a, &b, options.margin.max(0.0)) == Proximity::Undecided)
         })?;
-        Ok(answers.judged(|found| found.1).map(|found| found.0))
+        Ok(answers.mark_undecided(|found| found.1).map(|found| found.0))
     }
 
-    /// As [`intersecting_pairs`](crate::query::intersecting_pairs). The list is empty if
-    /// one of the two is not a mesh. The safe answer is an empty list.
+    /// Returns [`intersecting_pairs`](crate::query::intersecting_pairs()) for each row. The list is
+    /// empty if one of the things is not a mesh. The safe answer is an empty list; check the status
+    /// of the row.
     ///
     /// # Errors
-    /// As [`each`](Self::each).
+    /// As for [`each`](Self::each).
     pub fn intersecting_pairs(&self) -> Result<Answers<Vec<[u32; 2]>>, Stopped> {
         self.each(Vec::new(), |query, a, b| match (a.mesh(), b.mesh()) {
             (Some(a), Some(b)) => query.intersecting_pairs(a, b),
@@ -186,24 +203,26 @@ impl<'e> Batch<'e> {
         })
     }
 
-    /// As [`intersecting_pairs_up_to`](crate::query::intersecting_pairs_up_to). The list is empty if one of the two is not a mesh. The
-    /// safe answer is an empty list.
+    /// Returns [`intersecting_pairs_up_to`](crate::query::intersecting_pairs_up_to()) for each row.
+    /// The list is empty if one of the things is not a mesh. The safe answer is an empty list;
+    /// check the status of the row.
     ///
     /// # Errors
-    /// As [`each`](Self::each).
-    pub fn intersecting_pairs_up_to(&self, limit: usize) -> Result<Answers<SomePairs>, Stopped> {
-        let none = SomePairs { pairs: Vec::new(), truncated: false };
+    /// As for [`each`](Self::each).
+    pub fn intersecting_pairs_up_to(&self, limit: usize) -> Result<Answers<LimitedPairs>, Stopped> {
+        let none = LimitedPairs { pairs: Vec::new(), truncated: false };
         self.each(none.clone(), |query, a, b| match (a.mesh(), b.mesh()) {
             (Some(a), Some(b)) => query.intersecting_pairs_up_to(a, b, limit),
             _ => none.clone(),
         })
     }
 
-    /// As [`intersection_curves`](crate::query::intersection_curves). There are no curves if one of the two is not a mesh. The safe
-    /// answer has no curves.
+    /// Returns [`intersection_curves`](crate::query::intersection_curves()) for each row. There are
+    /// no curves if one of the things is not a mesh. The safe answer has no curves; check the
+    /// status of the row.
     ///
     /// # Errors
-    /// As [`each`](Self::each).
+    /// As for [`each`](Self::each).
     pub fn intersection_curves(&self) -> Result<Answers<Curves>, Stopped> {
         self.each(Curves::default(), |_, a, b| match (a.mesh(), b.mesh()) {
             (Some(a), Some(b)) => intersection_curves(a, b),

@@ -1,15 +1,18 @@
-//! The contacts of the regions in which two meshes meet.
+//! Contacts of the regions in which two meshes intersect.
 
 use std::collections::HashSet;
 
-use super::{Met, Region, regions_of};
+use super::{PairCrossing, Region, regions_of};
 use crate::convex::{Contact, Contacts, Feature};
 use crate::exact;
 use crate::math::vec3::{cross, dot, sub};
 use crate::mesh::{PlacedMesh, Ray};
 
-/// The contacts of the regions in which two meshes meet: the vertices of either that are inside the other, over the face that is
-/// there along the normal; where there are none, the ends of the curve's pieces, as deep as the region at most.
+/// Returns the contacts of each region in which two meshes intersect.
+///
+/// Each vertex of one mesh that is inside the other gives a contact with the face of the other mesh
+/// that lies over it along the normal. A region without such vertices has a contact at each end of
+/// a piece of its curve, whose depth is at most that of the region.
 pub(crate) fn contacts_of_patches(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Vec<Contacts> {
     let placed = [a, b];
     let of_region = |region: Region| {
@@ -17,7 +20,8 @@ pub(crate) fn contacts_of_patches(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Vec<C
         let mut contacts = Vec::new();
         for side in 0..2 {
             let (own, other) = (placed[side], placed[1 - side]);
-            // Out of the other mesh: back along the normal for the first, along it for the second.
+            // The direction out of the other mesh: against the normal for the first mesh, along it
+            // for the second.
             let out = if side == 0 { patch.normal.map(|x| -x) } else { patch.normal };
             for &vertex in &patch.inside[side] {
                 let point = own.world_from_mesh.apply(own.mesh.positions().get(vertex as usize));
@@ -40,8 +44,9 @@ pub(crate) fn contacts_of_patches(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Vec<C
     regions_of(placed).into_iter().map(of_region).collect()
 }
 
-/// The points of a region's curve, by the corners, edges and faces that they are on.
-fn contacts_of_curve(placed: [PlacedMesh<'_>; 2], Region { patch, met, linked }: &Region) -> Vec<Contact> {
+/// Returns the ends of the pieces of a region's curve as contacts, with the corners, edges and
+/// faces that they lie on.
+fn contacts_of_curve(placed: [PlacedMesh<'_>; 2], Region { patch, crossings, linked }: &Region) -> Vec<Contact> {
     let feature = |side: usize, face: u32, on: exact::Feature| {
         let vertices = placed[side].mesh.faces()[face as usize];
         match on {
@@ -55,7 +60,7 @@ fn contacts_of_curve(placed: [PlacedMesh<'_>; 2], Region { patch, met, linked }:
     };
     let mut known = HashSet::new();
     let mut contacts = Vec::new();
-    for (Met { pair: [a, b], crossing }, piece) in met.iter().zip(&linked.pieces) {
+    for (PairCrossing { pair: [a, b], crossing }, piece) in crossings.iter().zip(&linked.pieces) {
         for (joint, &end) in crossing.ends().zip(piece.ends()) {
             let point = linked.points[end];
             if known.insert(point.map(f64::to_bits)) {
@@ -65,7 +70,8 @@ fn contacts_of_curve(placed: [PlacedMesh<'_>; 2], Region { patch, met, linked }:
         }
     }
     if let (true, Some(&[a, b])) = (contacts.is_empty(), patch.pairs.first()) {
-        // Faces in one plane whose borders do not meet are in each other: a corner of the first tells of them.
+        // Faces in one plane whose borders do not intersect contain each other: a corner of the
+        // first face is a point of both.
         let point = placed[0].world_from_mesh.apply(placed[0].mesh.corners(a)[0]);
         let features = [Feature::Face(a), Feature::Face(b)];
         contacts.push(Contact { points: [point; 2], lower: 0.0, upper: patch.depth, features });
@@ -73,11 +79,13 @@ fn contacts_of_curve(placed: [PlacedMesh<'_>; 2], Region { patch, met, linked }:
     contacts
 }
 
-/// What a ray's way and its start in another mesh's frame may be off by, next to their sizes: that of a ray, 2^-40, and of a pose that
-/// is inverted.
+/// Bound on the relative error of the distance along a ray, 2^-38. It includes the error bound of a
+/// ray, 2^-40, and the error of mapping the ray with the inverse of a pose. A smaller value would
+/// make the intervals of depths wrong, a larger one would make them wider.
 const CAST_ERROR: f64 = 1.0 / (1_u64 << 38) as f64;
 
-/// How far along a direction of length 1 a mesh's surface is from a point, and which face that is.
+/// Returns the distance from a point to a mesh's surface along a direction of length 1, with the
+/// face there. Point and direction are in the world frame. Returns `None` if the ray hits nothing.
 fn cast(placed: PlacedMesh<'_>, point: [f64; 3], direction: [f64; 3]) -> Option<(f64, u32)> {
     let [x, y, z] = *placed.world_from_mesh.linear();
     let columns = [cross(&y, &z), cross(&z, &x), cross(&x, &y)];

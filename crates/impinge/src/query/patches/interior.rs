@@ -1,56 +1,69 @@
-//! Which vertices of a mesh are inside another, as far as they hang together with the curves in which their surfaces meet.
+//! Vertices of one mesh that are inside another, as far as they are connected to the intersection
+//! curves.
 //!
-//! Along an edge that meets nothing of the other surface the winding number of a closed mesh stays what it is, so one corner tells for
-//! the other. The faces that the curve goes through have such edges all along either side of it, and the faces that it does not go through
-//! have no others: so a curve costs one exact question for each of its sides, however long it is.
+//! If an edge does not intersect the other surface, a closed mesh has the same winding number all
+//! along the edge. So one end of the edge decides for the other. The faces that a curve goes
+//! through have such edges all along each side of the curve, and all edges of the other faces are
+//! such edges. So a curve takes one exact query for each of its sides, however long it is.
+//!
+//! Proof: see `query/patches/interior.rs` in docs/notes/proof.md. Tests:
+//! `tests/it/solids/patches.rs`.
 
 use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use super::Met;
+use super::PairCrossing;
 use crate::exact::{Corners, Crossing, Feature, Joint, Placement, PosedPoint, Spot};
 use crate::math::vec3::sub;
-use crate::mesh::{Containment, Judge, Mesh, PlacedMesh};
+use crate::mesh::{Containment, Mesh, PlacedMesh, PointClassifier};
 
-/// Questions below which threads cost more than they save.
-const FEW: usize = 16;
+/// Minimum number of point queries that a thread takes at a time. With fewer queries, threads cost
+/// more than they save.
+const MIN_QUERIES_PER_TASK: usize = 16;
 
-/// A mesh beside another, with what is inside that where they meet.
+/// One of two intersecting meshes, with its vertices that are inside the other mesh.
 pub(super) struct Interior<'m> {
     mesh: &'m Mesh,
-    /// Which faces meet the other mesh.
+    /// Whether each face intersects the other mesh.
     is_touched: Vec<bool>,
-    /// Of those faces' corners, named by the first vertices at their positions, those inside, ascending.
+    /// Corners of those faces that are inside the other mesh, in ascending order. A corner is named
+    /// by the first vertex at its position.
     at_curves: Vec<u32>,
-    /// The last region that each vertex was found for.
+    /// Number of the last region that each vertex was found for.
     found_for: Vec<u32>,
-    /// How many regions were asked for.
+    /// Number of regions that were searched.
     regions: u32,
 }
 
 impl<'m> Interior<'m> {
-    /// Of the first mesh in the second (`side` 0), or the other way round (1), with all the pairs in which they meet.
-    pub(super) fn new(placed: [PlacedMesh<'m>; 2], met: &[Met], side: usize) -> Self {
+    /// Finds the vertices at the curves that are inside: of the first mesh in the second if `side`
+    /// is 0, and of the second in the first if it is 1. `crossings` must be all intersecting pairs.
+    pub(super) fn new(placed: [PlacedMesh<'m>; 2], crossings: &[PairCrossing], side: usize) -> Self {
         let (own, other) = (placed[side], placed[1 - side]);
         let mesh = own.mesh;
         let mut is_touched = vec![false; mesh.faces().len()];
-        met.iter().for_each(|met| is_touched[met.pair[side] as usize] = true);
+        crossings.iter().for_each(|found| is_touched[found.pair[side] as usize] = true);
         let placement = Placement::new(&other.world_from_mesh, &own.world_from_mesh);
-        let groups = groups(mesh, edges_met(mesh, other.mesh, met, side));
-        let is_inside = |judge: &mut Judge<'_>, group: &Vec<u32>| {
+        let groups = groups(mesh, touched_edges(mesh, other.mesh, crossings, side));
+        let is_inside = |classifier: &mut PointClassifier<'_>, group: &Vec<u32>| {
             let spot = Spot::At(mesh.positions().get(group[0] as usize));
-            judge.containment(&PosedPoint::new(&placement, spot)) == Containment::Inside
+            classifier.containment(&PosedPoint::new(&placement, spot)) == Containment::Inside
         };
-        let inside: Vec<bool> =
-            groups.par_iter().with_min_len(FEW).map_init(|| Judge::new(other.mesh), is_inside).collect();
+        let inside: Vec<bool> = groups
+            .par_iter()
+            .with_min_len(MIN_QUERIES_PER_TASK)
+            .map_init(|| PointClassifier::new(other.mesh), is_inside)
+            .collect();
         let mut at_curves: Vec<u32> =
             groups.into_iter().zip(inside).filter(|(_, is_inside)| *is_inside).flat_map(|(group, _)| group).collect();
         at_curves.sort_unstable();
         Self { mesh, is_touched, at_curves, found_for: vec![0; mesh.positions().len()], regions: 0 }
     }
 
-    /// The vertices inside the other mesh that hang together with these faces, which meet it, by faces that do not; ascending.
+    /// Returns the vertices inside the other mesh that are connected to the given faces through
+    /// faces that do not intersect the other mesh, in ascending order. The given faces intersect
+    /// it.
     pub(super) fn of_region(&mut self, faces: impl Iterator<Item = u32>) -> Vec<u32> {
         self.regions += 1;
         let region = self.regions;
@@ -83,15 +96,17 @@ impl<'m> Interior<'m> {
     }
 }
 
-/// The faces that meet the other mesh, each with a bit for every edge that may meet it too: edge k runs from corner k to the next.
-fn edges_met(mesh: &Mesh, other: &Mesh, met: &[Met], side: usize) -> HashMap<u32, u8> {
+/// Returns the faces that intersect the other mesh, each with a bit for every edge that may
+/// intersect it too. Edge k runs from corner k to the next.
+fn touched_edges(mesh: &Mesh, other: &Mesh, crossings: &[PairCrossing], side: usize) -> HashMap<u32, u8> {
     const ALL: u8 = 0b111;
-    // Round an open mesh the winding number passes one half off the surface too: there each vertex tells for itself.
+    // The winding number of an open mesh also passes one half away from its surface, so that each
+    // vertex is checked by itself.
     let start = if other.is_closed() { 0 } else { ALL };
     let mut edges = HashMap::new();
-    for Met { pair, crossing } in met {
+    for PairCrossing { pair, crossing } in crossings {
         let face = pair[side];
-        // The parts of a face without area have several names, of which a crossing tells one.
+        // The features of a face without area have several names, and a crossing holds one of them.
         let of_face =
             edges.entry(face).or_insert_with(|| if surely_has_area(&mesh.corners(face)) { start } else { ALL });
         let of_end = |on: Feature| match on {
@@ -102,23 +117,24 @@ fn edges_met(mesh: &Mesh, other: &Mesh, met: &[Met], side: usize) -> HashMap<u32
         let on = |end: &Joint| if side == 0 { end.on_a } else { end.on_b };
         *of_face |= match crossing {
             Crossing::Coplanar => ALL,
-            crossing => crossing.ends().fold(0, |met, end| met | of_end(on(end))),
+            crossing => crossing.ends().fold(0, |edges, end| edges | of_end(on(end))),
         };
     }
     edges
 }
 
-/// The corners of some faces, in groups that edges join which meet nothing; sorted, so that nothing hangs on the order of a map.
-fn groups(mesh: &Mesh, edges_met: HashMap<u32, u8>) -> Vec<Vec<u32>> {
+/// Groups the corners of some faces. Edges that do not intersect the other mesh join corners. The
+/// groups are sorted, so that the order of the map has no influence.
+fn groups(mesh: &Mesh, touched_edges: HashMap<u32, u8>) -> Vec<Vec<u32>> {
     let first_at = &mesh.topology().first_at;
-    let mut sets: HashMap<u32, u32> = HashMap::with_capacity(edges_met.len());
-    for (face, met) in edges_met {
+    let mut sets: HashMap<u32, u32> = HashMap::with_capacity(touched_edges.len());
+    for (face, touched) in touched_edges {
         let corners = mesh.faces()[face as usize].map(|vertex| first_at[vertex as usize]);
         for corner in corners {
             sets.entry(corner).or_insert(corner);
         }
         for edge in 0..3 {
-            if met & 1 << edge == 0 {
+            if touched & 1 << edge == 0 {
                 let (p, q) = (root(&mut sets, corners[edge]), root(&mut sets, corners[(edge + 1) % 3]));
                 sets.insert(p.max(q), p.min(q));
             }
@@ -138,7 +154,7 @@ fn groups(mesh: &Mesh, edges_met: HashMap<u32, u8>) -> Vec<Vec<u32>> {
     groups
 }
 
-/// The least member of a set, with path halving.
+/// Returns the smallest member of a set, with path halving.
 fn root(sets: &mut HashMap<u32, u32>, mut member: u32) -> u32 {
     while sets[&member] != member {
         let above = sets[&sets[&member]];
@@ -148,13 +164,15 @@ fn root(sets: &mut HashMap<u32, u32>, mut member: u32) -> u32 {
     member
 }
 
-/// Whether a triangle is proved to have an area: some component of its normal is larger than its rounding.
+/// Reports whether a triangle is proved to have an area: some component of its normal is larger
+/// than its rounding error.
 fn surely_has_area([a, b, c]: &Corners) -> bool {
     let (e, f) = (sub(b, a), sub(c, a));
     (0..3).any(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         let (forward, backward) = (e[i] * f[j], e[j] * f[i]);
-        // Each product is off by 2 u for its edges and u for itself, the difference by u; and what vanishes is below the least float.
+        // Each product has an error of 2 u for its edges and u for itself, and the difference adds
+        // u; products that underflow are below the smallest normal float.
         (forward - backward).abs() > 8.0 * f64::EPSILON * (forward.abs() + backward.abs()) + f64::MIN_POSITIVE
     })
 }

@@ -1,9 +1,11 @@
-//! The shortest translation that is beyond planes: a point of one of them, of the line of two or of all three, whichever is nearest to
-//! the origin and behind none.
+//! The shortest translation that lies beyond planes. It is the nearest point to the origin that
+//! lies beyond all planes, among points of one plane, of the line of two planes, and of three
+//! planes.
 
 use crate::math::vec3::{Vector, cross, dot, scaled_length as length};
 
-/// The shortest vector that is beyond planes, each by its normal and its height; none where no three of them tell.
+/// Returns the shortest vector that lies beyond all planes, each given by its unit normal and its
+/// height along it. Returns `None` if no candidate from up to three planes lies beyond all.
 pub(super) fn shortest_beyond(planes: &[(Vector, f64)]) -> Option<Vector> {
     let is_beyond = |point: &Vector| {
         planes.iter().all(|(normal, height)| dot(normal, point) >= height - 1e-9 * (height.abs() + length(point)))
@@ -29,7 +31,8 @@ pub(super) fn shortest_beyond(planes: &[(Vector, f64)]) -> Option<Vector> {
     best
 }
 
-/// The point of the line of two planes that is nearest to the origin.
+/// Returns the point nearest to the origin on the line of two planes, or `None` if they are nearly
+/// parallel.
 fn on_two((n, g): &(Vector, f64), (m, h): &(Vector, f64)) -> Option<Vector> {
     let cosine = dot(n, m);
     let determinant = 1.0 - cosine * cosine;
@@ -37,6 +40,7 @@ fn on_two((n, g): &(Vector, f64), (m, h): &(Vector, f64)) -> Option<Vector> {
     (determinant > 1e-9).then(|| std::array::from_fn(|k| s * n[k] + t * m[k]))
 }
 
+/// Returns the common point of three planes, or `None` if they nearly share a direction.
 fn on_three([p, q, r]: [&(Vector, f64); 3]) -> Option<Vector> {
     let (qr, rp, pq) = (cross(&q.0, &r.0), cross(&r.0, &p.0), cross(&p.0, &q.0));
     let determinant = dot(&p.0, &qr);

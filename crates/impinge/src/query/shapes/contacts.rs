@@ -1,4 +1,4 @@
-//! Where two shapes touch or overlap, as a solver of contacts wants it.
+//! Contacts of two things: where they touch or overlap, as a contact solver needs it.
 
 use super::search::depth_by_search;
 use super::table::{nearness_of_parts, pairs_near, surface_of};
@@ -8,52 +8,62 @@ use crate::query::placed::Placed;
 use crate::query::{ContactOptions, Proximity, Query, contacts_of_patches, of_meshes};
 use crate::shape::{Form, PlacedShape};
 
-/// The contacts of two shapes, or of a part of each, that have one normal.
+/// Contacts of two things, or of one part of each, that share one normal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manifold {
-    /// A direction of length 1 from the first shape to the second, in the world frame.
+    /// Direction of length 1 from the first thing to the second, in the world frame.
     pub normal: [f64; 3],
-    /// At least one, in the order of their ids.
+    /// Contact points in the order of their ids; at least one.
     pub points: Vec<ContactPoint>,
 }
 
-/// A point of each of two shapes, one over the other along the normal.
+/// Contact point: one point of each thing, one above the other along the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
-    /// On the first shape's side, in the world frame, rounded.
+    /// Point of the first thing in the world frame, each coordinate rounded.
     pub point_a: [f64; 3],
-    /// On the second shape's side, in the world frame, rounded.
+    /// Point of the second thing in the world frame, each coordinate rounded.
     pub point_b: [f64; 3],
-    /// The first shape reaches beyond the second here, along the normal, by at least this, in world units. It is negative
-    /// where they are apart here, and infinite for two half-spaces that no motion takes apart.
+    /// Lower bound of the depth here, in world units: the first thing reaches at least this far
+    /// beyond the second along the normal. It is negative if there is a gap here, and infinite for
+    /// two half-spaces that no motion separates.
     pub lower: f64,
-    /// And by at most this.
+    /// Upper bound of the depth here, in world units.
     pub upper: f64,
-    /// What the point is of.
+    /// Parts and features of the two things that the contact belongs to.
     pub id: ContactId,
 }
 
-/// What a contact is of: the same from one time to the next as long as it is there.
+/// Identity of a contact: the parts and features that touch. It stays the same from one query to
+/// the next as long as the contact exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ContactId {
-    /// The part of the first shape, 0 where it has but one.
+    /// Part of the first thing; 0 if it has only one part.
     pub part_a: u32,
-    /// The part of the second shape, 0 where it has but one.
+    /// Part of the second thing; 0 if it has only one part.
     pub part_b: u32,
-    /// The corner, edge or face of that part of the first shape.
+    /// Corner, edge or face of the part of the first thing.
     pub feature_a: Feature,
-    /// The corner, edge or face of that part of the second shape.
+    /// Corner, edge or face of the part of the second thing.
     pub feature_b: Feature,
 }
 
-/// The contacts of two things; none exactly if [`intersects`](crate::query::intersects) is false. With a margin
-/// ([`Query::with_contacts`]) none exactly if [`within`](crate::query::within) the margin is false.
+/// Computes the contacts of two things: points, normals and depths in the world frame.
 ///
-/// Two convex shapes have one manifold, with the normal of [`penetration`](crate::query::penetration), of round ones to within 2^-12. A
-/// mesh and a convex shape have one for each normal: the faces' manifolds, put together where their normals are within 2.5 degrees.
-/// Two half-spaces have one point: its depth is infinite unless their planes are parallel and face each other.
-/// Two meshes have one for each region in which their surfaces meet ([`contact_patches`](crate::query::contact_patches)). Compounds
-/// have those of their parts.
+/// The list is empty if and only if [`intersects`](crate::query::intersects()) returns `false`.
+/// With a margin ([`Query::with_contacts`]) it is empty if and only if
+/// [`within`](crate::query::within()) returns `false` for the margin. The function never fails.
+///
+/// - Two convex shapes have one manifold, with the normal of
+///   [`penetration`](crate::query::penetration()); for round shapes the normal is within 2^-12 of
+///   it.
+/// - A mesh and a convex shape have one manifold for each normal. The manifolds of faces are merged
+///   if their normals are within 2.5 degrees.
+/// - Two half-spaces have one point. Its depth is infinite unless their planes are parallel and
+///   face each other.
+/// - Two meshes have one manifold for each region in which their surfaces intersect
+///   ([`contact_patches`](crate::query::contact_patches())).
+/// - Compounds have the manifolds of their parts.
 ///
 /// ```
 /// use impinge::{Pose, Shape, query};
@@ -68,21 +78,23 @@ pub struct ContactId {
 /// ```
 ///
 /// # Accuracy
-/// Near each of the two points, as far as rounding goes, there is a point of its shape such that these are as deep along the normal as the
-/// interval says (docs/proof.md, L28). No translation along the normal that is shorter than `lower` parts the shapes.
-/// Round shapes that are not spheres or capsules have up to eight points about what they turn to the other shape, which may
-/// be less deep than others beside them by 2^-13 of the size.
+/// Each point is within rounding error of a point of its thing, and the depth of these two points
+/// along the normal lies in `[lower, upper]` (docs/notes/proof.md, L28). No translation along the
+/// normal that is shorter than `lower` separates the things. Round shapes other than spheres and
+/// capsules have up to eight points around the side that faces the other shape. They may be less
+/// deep than points beside them, by 2^-13 of the size.
 ///
 /// # Complexity
-/// That of `penetration` for each two parts, and for each face of a mesh that is near, and the product of the corners of the two
-/// facing polygons.
+/// The time of [`penetration`](crate::query::penetration()) for each two parts and for each face of
+/// a mesh that is near. Two facing polygons add the product of their numbers of corners.
 #[must_use]
 pub fn contacts<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<Manifold> {
     Query::new().contacts(a, b)
 }
 
 impl Query<'_> {
-    /// As [`contacts`], of what the options of [`with_contacts`](Self::with_contacts) ask for.
+    /// Computes the contacts of two things, as [`contacts`] does, with the options of
+    /// [`with_contacts`](Self::with_contacts).
     #[must_use]
     pub fn contacts<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<Manifold> {
         let (a, b) = (a.into(), b.into());
@@ -96,7 +108,7 @@ impl Query<'_> {
     }
 }
 
-/// The contacts of two shapes within a margin, with the parts that they are of.
+/// Returns the contacts of two shapes within a margin, with the parts that they belong to.
 fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<([u32; 2], Contacts)> {
     let mut found = Vec::new();
     for numbers in pairs_near(a, b, margin) {
@@ -139,14 +151,16 @@ fn contacts_of_parts(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<Conta
     }
 }
 
-/// The one contact of shapes of which one is in the other without touching its surface: the deepest points of the depth.
+/// Returns the one contact of two shapes if one is inside the other without touching its surface:
+/// the deepest points of the penetration.
 fn of_contained(a: &PlacedShape, b: &PlacedShape) -> Vec<Contacts> {
     let Depth { lower, upper, normal, points } = depth_by_search(a, b);
     let features = [Feature::Face(0); 2];
     vec![Contacts { normal, contacts: vec![Contact { points, lower, upper, features }] }]
 }
 
-/// The contacts of two meshes: those of the regions in which their surfaces meet, or where they are nearest.
+/// Returns the contacts of two meshes: those of the regions in which their surfaces intersect.
+/// Without such a region it returns the nearest points if they are within the margin.
 fn of_surfaces(a: &Surface<'_>, b: &Surface<'_>, margin: f64) -> Vec<Contacts> {
     let (a, b) = (surface_of(a), surface_of(b));
     let found = contacts_of_patches(a, b);

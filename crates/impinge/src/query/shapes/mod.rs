@@ -1,34 +1,38 @@
-//! Verbs on two shapes: the table of pairs of representations, the search for a depth, and contacts.
+//! Queries about two shapes: the table of pairs of representations, the search for a depth, and
+//! contacts.
 //!
-//! `table` says what a verb makes of two parts, by what they are. `search` finds the depth of shapes that are not convex, with
-//! `beyond` and `balls`. `contacts` makes manifolds.
+//! `table` chooses the kernel for two parts by their representations. `search` finds the depth of
+//! shapes that are not convex, with `beyond` and `spheres`. `contacts` makes manifolds.
 
-mod balls;
 mod beyond;
 pub(super) mod contacts;
 pub(super) mod search;
+mod spheres;
 pub(super) mod table;
 
 use super::Proximity;
 use crate::convex::{self, Coherence};
 use crate::shape::{Form, PlacedShape};
 
-/// Beyond this, 2^320 world units, everything is nearer, and sums stay in range below it.
-const FAR: f64 = f64::from_bits((1023 + 320) << 52);
+/// Maximum clearance, 2^320 world units. All distances are smaller, and sums of smaller numbers do
+/// not overflow.
+const MAX_CLEARANCE: f64 = f64::from_bits((1023 + 320) << 52);
 
-/// Whether two shapes come within a clearance, which is not negative.
+/// Returns whether two shapes are at most `clearance` apart. `clearance` must not be negative or
+/// NaN.
 pub(super) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
     // No two shapes are farther apart than that.
-    table::nearness(a, b, clearance.min(FAR))
+    table::nearness(a, b, clearance.min(MAX_CLEARANCE))
 }
 
-/// [`nearness`], from what was known last of two convex shapes.
+/// Returns [`nearness`], starting from the direction along which two convex shapes were last apart,
+/// and updates it.
 pub(super) fn nearness_from(a: &PlacedShape, b: &PlacedShape, clearance: f64, known: &mut Coherence) -> Proximity {
     if let ([part_a], [part_b]) = (a.parts(), b.parts())
         && let (Form::Convex(a), Form::Convex(b)) = (part_a.form(), part_b.form())
-        && clearance <= FAR
+        && clearance <= MAX_CLEARANCE
     {
-        // As without a cache, so that the answer is the same.
+        // The same test as without a cache, so that the answer is the same.
         let is_far = table::gap_of_boxes(part_a, part_b) > clearance;
         return if is_far { Proximity::Apart } else { convex::nearness_from(&a, &b, clearance, known) };
     }

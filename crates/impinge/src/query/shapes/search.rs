@@ -1,19 +1,23 @@
-//! How deep shapes are in each other that are not convex: a translation that is proved to part them, and a ball that is
-//! in both.
+//! The depth of shapes that are not convex: a translation that is proved to separate them, and two
+//! spheres about one point, one inside each shape.
 //!
-//! From where the second shape is surely beyond the first along some direction it is brought back towards its place, each
-//! step no longer than the proved distance, so that it never touches. Where it nearly does, the nearest points give a plane that
-//! the translation is to stay beyond; the shortest translation beyond all such planes is the next goal. Where that is reached without
-//! contact the planes are forgotten, and the way goes on. Several directions to
-//! start from are tried and the shortest translation wins. It was asked of the exact query where it ends.
+//! The second shape starts beyond the first along some direction. From there it moves back towards
+//! its own place, by no more than the proved distance, so that it never touches the first shape. If
+//! it nearly touches, the nearest points give a plane that the translation must stay beyond. The
+//! shortest translation beyond all such planes is the next goal. If the shape reaches a goal
+//! without contact, the planes are dropped and the search continues. Several directions are tried.
+//! The exact query proves that the shortest translation found separates the shapes.
+//!
+//! Proof: docs/notes/proof.md, L30. Tests: `tests/it/solids/depths.rs`,
+//! `tests/it/shapes/surfaces.rs`.
 //!
 //! # Source
-//! Je, Tang, Lee, Lee, Kim, *PolyDepth: real-time penetration depth computation using iterative contact-space projection*, ACM
-//! Transactions on Graphics 31, 2012. Ours departs in that it advances by proved distances, so that what it returns parts the
-//! shapes; a bound from below is that of `balls`.
+//! Je, Tang, Lee, Lee, Kim, *PolyDepth: real-time penetration depth computation using iterative
+//! contact-space projection*, ACM Transactions on Graphics 31, 2012. Ours advances by proved
+//! distances, so that the translation separates the shapes, and has a lower bound (`spheres`).
 
-use super::balls::ball_in_both;
 use super::beyond::shortest_beyond;
+use super::spheres::spheres_in_both;
 use super::table::{separation, surface_of};
 use crate::convex::{Core, Depth, Separation, Surface, Swept, depth, to_unit_length};
 use crate::hull::Hull;
@@ -24,35 +28,35 @@ use crate::query::penetrates::{Penetrates, penetrates_of_pairs};
 use crate::query::{Proximity, intersecting_pairs, normals_of_regions, of_meshes};
 use crate::shape::{Form, PlacedShape};
 
-/// Directions along the axes of the world and of the shapes that are searched from, of those that promise most.
-const STARTS: usize = 3;
+/// Maximum number of directions along axes that are searched: those with the shortest translations.
+const MAX_AXIS_STARTS: usize = 3;
 
-/// The cosine of directions one after the other of which one is enough.
-const ALIKE: f64 = 1.0 - 1.0 / (1 << 12) as f64;
+/// Minimum cosine between two consecutive directions of which only the first one is searched.
+const MIN_SAME_DIRECTION_COSINE: f64 = 1.0 - 1.0 / (1 << 12) as f64;
 
-/// Regions in which two meshes meet whose normals are searched along, the largest first.
-const REGIONS: usize = 3;
+/// Maximum number of regions of intersection whose normals are searched, the largest regions first.
+const MAX_REGIONS: usize = 3;
 
-/// Vertices of a mesh whose hull takes less time than a few distances.
-const SMALL: usize = 1024;
+/// Maximum number of vertices of a mesh whose hull is made, which takes less than a few distances.
+const MAX_HULL_VERTICES: usize = 1024;
 
 /// Maximum number of attempts to shorten the translation. Each takes three distances.
 const TIGHTENINGS: usize = 6;
 
-/// What a way that goes on is to gain, next to its length, to be worth more steps: 2^-14.
-const GAIN: f64 = 1.0 / (1 << 14) as f64;
+/// Minimum relative gain in length to continue after a goal, 2^-14. Less takes more steps.
+const MIN_GAIN: f64 = 1.0 / (1 << 14) as f64;
 
-/// Planes that are gathered from one direction.
-const PLANES: usize = 12;
+/// Maximum number of planes that are collected from one direction.
+const MAX_PLANES: usize = 12;
 
-/// Steps towards one goal. Those head on take two or three; a goal that is never reached costs the rest.
-const STEPS: usize = 24;
+/// Maximum number of steps to a goal. A direct way takes 2 or 3, an unreachable goal takes all.
+const MAX_STEPS: usize = 24;
 
-/// Shapes nearer than this, next to their sizes, count as having arrived: 2^-26. Less costs steps, more leaves the depth loose.
-const NEAR: f64 = 1.0 / (1 << 26) as f64;
+/// Touching distance relative to the sizes, 2^-26. Less costs steps, more leaves the depth loose.
+const CONTACT_TOLERANCE: f64 = 1.0 / (1 << 26) as f64;
 
-/// How deep two shapes that intersect are in each other. Which of them is searched from does not depend on which is named first, as
-/// far as their boxes differ.
+/// Returns how deep two intersecting shapes are in each other. The search always moves the same one
+/// of the two shapes, whichever is named first, if their boxes differ.
 pub(in crate::query) fn depth_by_search(a: &PlacedShape, b: &PlacedShape) -> Depth {
     let key = |shape: &PlacedShape| shape.bounds().map(|bounds| bounds.concat());
     let is_swapped = key(b) < key(a);
@@ -61,7 +65,7 @@ pub(in crate::query) fn depth_by_search(a: &PlacedShape, b: &PlacedShape) -> Dep
         found.points.swap(0, 1);
         found.normal = found.normal.map(|x| 0.0 - x);
     }
-    if found.lower == 0.0 && only_touch(a, b) {
+    if found.lower == 0.0 && certainly_only_touch(a, b) {
         found.upper = 0.0;
     }
     found
@@ -69,35 +73,35 @@ pub(in crate::query) fn depth_by_search(a: &PlacedShape, b: &PlacedShape) -> Dep
 
 fn depth_in_order(a: &PlacedShape, b: &PlacedShape) -> Depth {
     let start = |direction: Vector| {
-        let length = parting(a, b, &direction);
+        let length = separating_length(a, b, &direction);
         length.is_finite().then_some((length, direction))
     };
     let mut axes: Vec<(f64, Vector)> = along_axes(a, b).filter_map(start).collect();
     axes.sort_by(|x, y| x.0.total_cmp(&y.0));
-    axes.truncate(STARTS);
+    axes.truncate(MAX_AXIS_STARTS);
     let mut starts: Vec<(f64, Vector)> = directions(a, b).into_iter().filter_map(start).chain(axes).collect();
-    starts.dedup_by(|next, start| dot(&next.1, &start.1) > ALIKE);
+    starts.dedup_by(|next, start| dot(&next.1, &start.1) > MIN_SAME_DIRECTION_COSINE);
     let mut least = f64::INFINITY;
     let ways = starts.iter().filter_map(|(length, direction)| {
         let way = descend(a, b, *length, direction, least)?;
         least = least.min(way.length);
         Some(way)
     });
-    let mut ways: Vec<Parted> = ways.collect();
+    let mut ways: Vec<Separated> = ways.collect();
     ways.sort_by(|x, y| x.length.total_cmp(&y.length));
-    let Some(best) = ways.into_iter().find(|way| is_parted_by(a, b, &way.translation)).map(|way| tightened(a, b, way))
+    let Some(best) = ways.into_iter().find(|way| is_separated(a, b, &way.translation)).map(|way| tightened(a, b, way))
     else {
         let points = separation(a, b).points;
         return Depth { lower: 0.0, upper: f64::INFINITY, normal: [1.0, 0.0, 0.0], points };
     };
     let points = [best.points[0], sub(&best.points[1], &best.translation)];
-    let lower = ball_in_both(a, b, &points, best.length).min(best.length);
+    let lower = spheres_in_both(a, b, &points, best.length).min(best.length);
     let normal = scaled(&best.translation, 1.0 / length(&best.translation));
     Depth { lower, upper: best.length, normal, points }
 }
 
-/// Whether the shapes are solid meshes whose interiors are proved to have nothing in common: what parts their surfaces is no depth.
-fn only_touch(a: &PlacedShape, b: &PlacedShape) -> bool {
+/// Reports whether the shapes are solid meshes with disjoint interiors: their depth is zero.
+fn certainly_only_touch(a: &PlacedShape, b: &PlacedShape) -> bool {
     surfaces(a, b).is_some_and(|[a, b]| {
         let (placed_a, placed_b) = (surface_of(&a), surface_of(&b));
         let pairs = || intersecting_pairs(placed_a, placed_b);
@@ -105,15 +109,15 @@ fn only_touch(a: &PlacedShape, b: &PlacedShape) -> bool {
     })
 }
 
-/// Whether the second shape, moved by this, is proved to be apart from the first.
-fn is_parted_by(a: &PlacedShape, b: &PlacedShape, translation: &Vector) -> bool {
+/// Reports whether the second shape, moved by a translation, is proved to be apart from the first.
+fn is_separated(a: &PlacedShape, b: &PlacedShape, translation: &Vector) -> bool {
     moved(b, translation).is_some_and(|b| separation(a, &b).proximity == Proximity::Apart)
 }
 
-/// Shortens a translation until the shapes nearly touch. Each step moves by the proved distance less
-/// 1/1024 of it. If the shapes approach head on, the gap becomes 1,024 times smaller.
-fn tightened(a: &PlacedShape, b: &PlacedShape, way: Parted) -> Parted {
-    /// The part of the distance that is left: more than rounding takes.
+/// Shortens a translation until the shapes nearly touch. Each step moves by the proved distance
+/// less 1/1024 of it. If the shapes approach head on, the gap becomes 1,024 times smaller.
+fn tightened(a: &PlacedShape, b: &PlacedShape, way: Separated) -> Separated {
+    /// Part of the distance that is left. It is larger than the rounding error.
     const LEFT: f64 = 1.0 / (1 << 10) as f64;
     let mut warm_start = WarmStart::default();
     let mut best = way;
@@ -122,27 +126,27 @@ fn tightened(a: &PlacedShape, b: &PlacedShape, way: Parted) -> Parted {
         let whole = length(&best.translation);
         let share = (whole - at.distance * (1.0 - LEFT)) / whole;
         let Some(nearer) = Place::new(a, b, scaled(&best.translation, share), &mut warm_start) else { break };
-        if share <= 0.0 || nearer.length() >= best.length || !is_parted_by(a, b, &nearer.translation) {
+        if share <= 0.0 || nearer.length() >= best.length || !is_separated(a, b, &nearer.translation) {
             break;
         }
-        best = nearer.parted();
+        best = nearer.separated();
     }
     best
 }
 
-/// A translation of the second shape that parts it from the first, and where they are nearest then.
-struct Parted {
+/// Translation of the second shape that separates it from the first, and the nearest points there.
+struct Separated {
     translation: Vector,
     length: f64,
     points: [Vector; 2],
 }
 
-/// Directions that may part the shapes: from centre to centre, out of half-spaces, and across the regions in which meshes meet.
+/// Returns directions from center to center, out of half-spaces and hulls, and across regions.
 fn directions(a: &PlacedShape, b: &PlacedShape) -> Vec<Vector> {
     let mut found = Vec::new();
-    let centre = |[min, max]: [Vector; 2]| -> Vector { std::array::from_fn(|k| 0.5 * min[k] + 0.5 * max[k]) };
+    let center = |[min, max]: [Vector; 2]| -> Vector { std::array::from_fn(|k| 0.5 * min[k] + 0.5 * max[k]) };
     if let (Some(a), Some(b)) = (a.bounds(), b.bounds()) {
-        let between = sub(&centre(b), &centre(a));
+        let between = sub(&center(b), &center(a));
         let apart = length(&between);
         if apart > 0.0 {
             found.push(scaled(&between, 1.0 / apart));
@@ -159,12 +163,12 @@ fn directions(a: &PlacedShape, b: &PlacedShape) -> Vec<Vector> {
     if let Some([a, b]) = surfaces(a, b) {
         let mut regions = normals_of_regions([surface_of(&a), surface_of(&b)]);
         regions.sort_by(|x, y| y.0.total_cmp(&x.0));
-        found.extend(regions.iter().take(REGIONS).map(|(_, normal)| normal));
+        found.extend(regions.iter().take(MAX_REGIONS).map(|(_, normal)| normal));
     }
     found
 }
 
-/// The way out of each other of two convex shapes or the hulls of meshes of few vertices, which is theirs where they are convex.
+/// Returns the direction that separates the hulls of convex shapes or of meshes of few vertices.
 fn out_of_hulls(a: &PlacedShape, b: &PlacedShape) -> Option<Vector> {
     let ([a], [b]) = (a.parts(), b.parts()) else { return None };
     let (form_a, form_b) = (a.form(), b.form());
@@ -188,12 +192,12 @@ fn swept<'h>(form: &Form<'h>, hull: Option<&'h Hull>) -> Option<Swept<'h>> {
 
 fn hull_of_few(surface: &Surface<'_>) -> Option<Hull> {
     let positions = surface.mesh.positions();
-    let is_small = positions.len() <= SMALL;
+    let is_small = positions.len() <= MAX_HULL_VERTICES;
     let points: Vec<Vector> = is_small.then(|| (0..positions.len()).map(|i| positions.get(i)).collect())?;
     Hull::new(&points).ok()
 }
 
-/// Along the axes of the world and of either shape's own frame, both ways.
+/// Returns the axes of the world and of each shape's own frame, in both directions.
 fn along_axes(a: &PlacedShape, b: &PlacedShape) -> impl Iterator<Item = Vector> {
     let own = [&Pose::IDENTITY, a.world_from_local(), b.world_from_local()];
     let axis = |pose: &Pose, j: usize| to_unit_length(pose.linear().map(|row| row[j]));
@@ -201,7 +205,7 @@ fn along_axes(a: &PlacedShape, b: &PlacedShape) -> impl Iterator<Item = Vector> 
     axes.into_iter().flat_map(|axis| [axis, scaled(&axis, -1.0)])
 }
 
-/// Both shapes, where they are meshes.
+/// Returns both surfaces, or `None` if one of the shapes is not one mesh.
 fn surfaces<'s>(a: &'s PlacedShape, b: &'s PlacedShape) -> Option<[Surface<'s>; 2]> {
     match (a.parts(), b.parts()) {
         ([a], [b]) => match (a.form(), b.form()) {
@@ -212,8 +216,9 @@ fn surfaces<'s>(a: &'s PlacedShape, b: &'s PlacedShape) -> Option<[Surface<'s>; 
     }
 }
 
-/// How far along a direction the second shape is surely beyond the first; infinite where that is not known.
-fn parting(a: &PlacedShape, b: &PlacedShape, direction: &Vector) -> f64 {
+/// Returns a length by which the second shape moves along a direction to be certainly beyond the
+/// first. Infinite if no such length is known.
+fn separating_length(a: &PlacedShape, b: &PlacedShape, direction: &Vector) -> f64 {
     let mut farthest = 0.0_f64;
     for part_a in a.parts() {
         for part_b in b.parts() {
@@ -234,7 +239,7 @@ fn parting(a: &PlacedShape, b: &PlacedShape, direction: &Vector) -> f64 {
     farthest
 }
 
-/// How far a part reaches along a direction at most, by its box in the world, or by that of a mesh in its own frame.
+/// Returns an upper bound of how far a part reaches along a direction, from its boxes.
 fn height(part: &PlacedShape, direction: &Vector) -> Option<f64> {
     let greatest = |[min, max]: [Vector; 2], direction: &Vector| -> f64 {
         (0..3).map(|k| if direction[k] > 0.0 { max[k] * direction[k] } else { min[k] * direction[k] }).sum()
@@ -255,35 +260,36 @@ fn depth_in(plane: &crate::convex::HalfSpace<'_>, form: &Form<'_>) -> f64 {
     }
 }
 
-/// How far a shape that is so deep in a half-space is to move along a direction to be out.
+/// Returns how far a shape `depth` deep in a half-space must move to leave it, or infinity.
 fn out_of(normal: &Vector, direction: &Vector, depth: f64) -> f64 {
-    /// The cosine of directions along which it is out in reasonable time.
-    const STEEP: f64 = 1.0 / 64.0;
+    /// Minimum cosine with the normal; along flatter directions the shape moves too far.
+    const MIN_COSINE: f64 = 1.0 / 64.0;
     let cosine = dot(normal, direction);
-    if cosine >= STEEP { depth / cosine } else { f64::INFINITY }
+    if cosine >= MIN_COSINE { depth / cosine } else { f64::INFINITY }
 }
 
-/// The shortest translation found from far along a direction, unless it is seen that none shorter than `least` will be.
-fn descend(a: &PlacedShape, b: &PlacedShape, start: f64, direction: &Vector, least: f64) -> Option<Parted> {
+/// Returns the shortest translation found from far along a direction. The search ends early if it
+/// cannot become shorter than `least`.
+fn descend(a: &PlacedShape, b: &PlacedShape, start: f64, direction: &Vector, least: f64) -> Option<Separated> {
     let size = start + length_of_bounds(a) + length_of_bounds(b);
-    let near = NEAR * size;
+    let near = CONTACT_TOLERANCE * size;
     let mut warm_start = WarmStart::default();
     let mut at = [1.0, 2.0, 16.0]
         .into_iter()
         .map(|factor| scaled(direction, start * factor + 4.0 * near))
-        .filter(|translation| is_parted_by(a, b, translation))
+        .filter(|translation| is_separated(a, b, translation))
         .find_map(|translation| Place::new(a, b, translation, &mut warm_start))?;
-    let mut best = at.parted();
+    let mut best = at.separated();
     let mut planes: Vec<(Vector, f64)> = Vec::new();
     let mut goal = [0.0; 3];
     let mut arrived_at = f64::INFINITY;
-    for _ in 0..PLANES {
+    for _ in 0..MAX_PLANES {
         let Some(arrived) = advance(a, b, &mut at, &goal, near, &mut warm_start) else { break };
         if at.length() < best.length {
-            best = at.parted();
+            best = at.separated();
         }
         if arrived {
-            let is_worth_more = at.distance > near && at.length() < arrived_at * (1.0 - GAIN);
+            let is_worth_more = at.distance > near && at.length() < arrived_at * (1.0 - MIN_GAIN);
             if !is_worth_more {
                 break;
             }
@@ -308,7 +314,7 @@ fn descend(a: &PlacedShape, b: &PlacedShape, start: f64, direction: &Vector, lea
     Some(best)
 }
 
-/// Where the second shape is moved to, apart from the first.
+/// Place of the second shape, apart from the first.
 struct Place {
     translation: Vector,
     distance: f64,
@@ -316,15 +322,16 @@ struct Place {
 }
 
 impl Place {
-    /// None where the shapes are not proved apart there. Of meshes the surfaces alone are asked: they start where neither is in the other,
-    /// and what never touches on its way stays outside.
+    /// Returns the place after a translation, or `None` if the shapes are not proved apart there.
+    /// Only the surfaces of meshes are compared. At the start neither mesh is inside the other, and
+    /// a mesh that never touches the other surface stays outside.
     fn new(a: &PlacedShape, b: &PlacedShape, translation: Vector, warm_start: &mut WarmStart) -> Option<Self> {
         let moved = moved(b, &translation)?;
         let found = match surfaces(a, &moved) {
             Some([a, b]) => separation_of_surfaces(&a, &b, warm_start),
             None => separation(a, &moved),
         };
-        // What was truly added, after rounding.
+        // The translation that was really added, after rounding.
         let translation = sub(moved.world_from_local().translation(), b.world_from_local().translation());
         (found.proximity == Proximity::Apart && found.lower.is_finite()).then_some(Self {
             translation,
@@ -334,23 +341,24 @@ impl Place {
     }
 
     fn length(&self) -> f64 {
-        // Above the rounding of the length and of the difference of the translations.
+        // Larger than the rounding errors of the length and of the difference.
         length(&self.translation) * (1.0 + 8.0 * f64::EPSILON)
     }
 
-    fn parted(&self) -> Parted {
-        Parted { translation: self.translation, length: self.length(), points: self.points }
+    fn separated(&self) -> Separated {
+        Separated { translation: self.translation, length: self.length(), points: self.points }
     }
 }
 
 fn separation_of_surfaces(a: &Surface<'_>, b: &Surface<'_>, warm_start: &mut WarmStart) -> Separation {
     let found = of_meshes::distance(surface_of(a), surface_of(b), warm_start, &Options::default());
     let points = found.witness.map_or([[0.0; 3]; 2], |witness| [witness.point_a, witness.point_b]);
-    let proximity = if found.upper > 0.0 { Proximity::Apart } else { Proximity::Meets };
+    let proximity = if found.upper > 0.0 { Proximity::Apart } else { Proximity::Intersects };
     Separation { lower: found.lower, upper: found.upper, points, proximity }
 }
 
-/// Moves towards a goal until it or contact is near; whether the goal was reached. None where nothing could be gained.
+/// Moves towards a goal until the goal or a contact is near. Returns whether the goal was reached,
+/// or `None` if a step cannot be proved to be apart.
 fn advance(
     a: &PlacedShape,
     b: &PlacedShape,
@@ -359,7 +367,7 @@ fn advance(
     near: f64,
     warm_start: &mut WarmStart,
 ) -> Option<bool> {
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         let way = sub(goal, &at.translation);
         let left = length(&way);
         if left <= near {

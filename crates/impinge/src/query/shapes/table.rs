@@ -1,7 +1,7 @@
-//! The table of pairs: what each verb makes of two parts, by what they are.
+//! The table of pairs: the kernel of each query for two parts, by their representations.
 //!
-//! Three representations make six pairs. A compound is asked part by part, and parts whose boxes are too far apart are passed over;
-//! of many parts a tree finds those that are not.
+//! Three representations make six pairs. A compound is compared part by part. Pairs of parts whose
+//! boxes are too far apart are skipped; if there are many parts, a tree finds the other pairs.
 
 use crate::convex::{self, Depth, Separation, Surface};
 use crate::mesh::{Options, PlacedMesh, WarmStart};
@@ -9,7 +9,8 @@ use crate::query::nesting::nested;
 use crate::query::{Proximity, of_meshes};
 use crate::shape::{Form, PlacedShape};
 
-/// Whether two shapes are within a clearance that is finite and not negative.
+/// Returns whether two shapes are at most `clearance` apart. `clearance` must be finite and not
+/// negative.
 pub(in crate::query) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
     if let ([a], [b]) = (a.parts(), b.parts()) {
         let is_far = gap_of_boxes(a, b) > clearance;
@@ -18,7 +19,7 @@ pub(in crate::query) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f6
     let mut answer = Proximity::Apart;
     for [number_a, number_b] in pairs_near(a, b, clearance) {
         match nearness_of_parts(&a.parts()[number_a as usize], &b.parts()[number_b as usize], clearance) {
-            Proximity::Meets => return Proximity::Meets,
+            Proximity::Intersects => return Proximity::Intersects,
             Proximity::Undecided => answer = Proximity::Undecided,
             Proximity::Apart => {}
         }
@@ -26,6 +27,7 @@ pub(in crate::query) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f6
     answer
 }
 
+/// Returns whether two parts are at most `clearance` apart.
 pub(super) fn nearness_of_parts(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
     match (a.form(), b.form()) {
         (Form::Convex(a), Form::Convex(b)) => convex::nearness(&a, &b, clearance),
@@ -45,7 +47,7 @@ pub(super) fn nearness_of_parts(a: &PlacedShape, b: &PlacedShape, clearance: f64
     }
 }
 
-/// The distance of two shapes: the least of their parts'.
+/// Computes the distance of two shapes: the minimum over their parts.
 pub(in crate::query) fn separation(a: &PlacedShape, b: &PlacedShape) -> Separation {
     if let ([a], [b]) = (a.parts(), b.parts()) {
         return separation_of_parts(a, b);
@@ -65,15 +67,15 @@ pub(in crate::query) fn separation(a: &PlacedShape, b: &PlacedShape) -> Separati
         }
         let found = separation_of_parts(&a.parts()[i as usize], &b.parts()[j as usize]);
         let lower = best.lower.min(found.lower);
-        let is_open = best.proximity == Proximity::Undecided || found.proximity == Proximity::Undecided;
-        if found.proximity == Proximity::Meets {
+        let is_undecided = best.proximity == Proximity::Undecided || found.proximity == Proximity::Undecided;
+        if found.proximity == Proximity::Intersects {
             return found;
         }
         if found.upper < best.upper {
             best = found;
         }
         best.lower = lower;
-        if is_open {
+        if is_undecided {
             best.proximity = Proximity::Undecided;
         }
     }
@@ -91,21 +93,22 @@ fn separation_of_parts(a: &PlacedShape, b: &PlacedShape) -> Separation {
         (Form::HalfSpace(plane), Form::Surface(surface)) => plane.separation_of_surface(&surface),
         (Form::Surface(surface), Form::HalfSpace(plane)) => swapped(plane.separation_of_surface(&surface)),
         (Form::Surface(a), Form::Surface(b)) => {
-            // The nearest points are those of the surfaces, also if one mesh lies in the other.
+            // The nearest points are those of the surfaces, even if one mesh is inside the other.
             let found = of_meshes::distance_without_cache(surface_of(&a), surface_of(&b));
-            let proximity = if found.upper == 0.0 { Proximity::Meets } else { nested(mesh_of(&a), mesh_of(&b)) };
+            let proximity = if found.upper == 0.0 { Proximity::Intersects } else { nested(mesh_of(&a), mesh_of(&b)) };
             let [lower, upper] = match proximity {
                 Proximity::Apart => [found.lower, found.upper],
                 Proximity::Undecided => [0.0, found.upper],
-                Proximity::Meets => [0.0; 2],
+                Proximity::Intersects => [0.0; 2],
             };
             Separation { lower, upper, points: found.points().unwrap_or([[0.0; 3]; 2]), proximity }
         }
     }
 }
 
-/// How deep two shapes are in each other, in closed form or by an expanding polytope; none where that takes a search: for
-/// compounds, and for meshes but with half-spaces.
+/// Computes how deep two shapes are in each other, in closed form or with an expanding polytope.
+/// Returns `None` if that takes a search: for compounds, and for meshes with anything but
+/// half-spaces.
 pub(in crate::query) fn depth(a: &PlacedShape, b: &PlacedShape) -> Option<Depth> {
     let ([a], [b]) = (a.parts(), b.parts()) else { return None };
     match (a.form(), b.form()) {
@@ -119,9 +122,9 @@ pub(in crate::query) fn depth(a: &PlacedShape, b: &PlacedShape) -> Option<Depth>
     }
 }
 
-/// The pairs of parts whose boxes are within a distance of each other, sorted.
+/// Returns the pairs of parts whose boxes are at most `reach` apart, sorted.
 pub(super) fn pairs_near(a: &PlacedShape, b: &PlacedShape, reach: f64) -> Vec<[u32; 2]> {
-    // The tree of the one that has more parts is asked for those of the other.
+    // The parts of the shape with fewer parts are looked up in the tree of the other shape.
     let is_turned = a.parts().len() > b.parts().len();
     let (few, many) = if is_turned { (b, a) } else { (a, b) };
     let mut found = Vec::new();
@@ -139,7 +142,8 @@ pub(super) fn pairs_near(a: &PlacedShape, b: &PlacedShape, reach: f64) -> Vec<[u
     found
 }
 
-/// A pair of parts that are near each other, to begin with; none where there is no tree.
+/// Returns a pair of parts that are near each other, to start a search with. Returns `None` if the
+/// second shape has no box, or the chosen part has none.
 fn near_pair(a: &PlacedShape, b: &PlacedShape) -> Option<[u32; 2]> {
     let middle = |[min, max]: [[f64; 3]; 2]| std::array::from_fn(|k| 0.5 * min[k] + 0.5 * max[k]);
     let number_a = match b.bounds().map(middle) {
@@ -150,19 +154,19 @@ fn near_pair(a: &PlacedShape, b: &PlacedShape) -> Option<[u32; 2]> {
     Some([number_a, b.part_nearest(point).unwrap_or(0)])
 }
 
-/// How far apart the boxes of two parts are at least; zero where one has none.
+/// Returns a lower bound of the gap between the boxes of two parts; zero if one has no box.
 pub(super) fn gap_of_boxes(a: &PlacedShape, b: &PlacedShape) -> f64 {
     let (Some([min_a, max_a]), Some([min_b, max_b])) = (a.bounds(), b.bounds()) else { return 0.0 };
     let gap = |k: usize| f64::max(min_b[k] - max_a[k], min_a[k] - max_b[k]).next_down();
     (0..3).map(gap).fold(0.0, f64::max)
 }
 
-/// The surface of a mesh, whether it is solid or not.
+/// Returns the surface of a mesh, whether it is solid or not.
 pub(super) fn surface_of<'a>(surface: &Surface<'a>) -> PlacedMesh<'a> {
     surface.mesh.at(*surface.pose)
 }
 
-/// The mesh as it is meant, as its surface or as a solid.
+/// Returns the mesh as it is given, as its surface or as a solid.
 fn mesh_of<'a>(surface: &Surface<'a>) -> PlacedMesh<'a> {
     PlacedMesh { is_solid: surface.is_solid, ..surface_of(surface) }
 }

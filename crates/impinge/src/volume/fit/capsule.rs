@@ -51,13 +51,13 @@ fn along<T: Coordinate>(points: &[[T; 3]], axis: [f64; 3], origin: [f64; 3], sca
             sub(&offset, &scale(&axis, dot(&axis, &offset)))
         })
         .collect();
-    let (centre, squared_radius) = circle(&flat);
+    let (center, squared_radius) = circle(&flat);
     // The segment must come within the radius of each point. The caps extend past its ends, so each
     // point allows a shorter segment.
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (point, seen) in points.iter().zip(&flat) {
         let t = dot(&axis, &local(point));
-        let aside = sub(seen, &centre);
+        let aside = sub(seen, &center);
         let cap = (squared_radius - dot(&aside, &aside)).max(0.0).sqrt();
         low = low.min(t + cap);
         high = high.max(t - cap);
@@ -66,7 +66,7 @@ fn along<T: Coordinate>(points: &[[T; 3]], axis: [f64; 3], origin: [f64; 3], sca
         let middle = 0.5 * (low + high);
         (low, high) = (middle, middle);
     }
-    let ends = [low, high].map(|t| add(&origin, &scale(&add(&centre, &scale(&axis, t)), 1.0 / scale_up)));
+    let ends = [low, high].map(|t| add(&origin, &scale(&add(&center, &scale(&axis, t)), 1.0 / scale_up)));
     let core = Capsule::from_valid(ends, 0.0).core();
     let radius = points.iter().map(|&point| round::distance_to_core(widen(point), &core)).fold(0.0, f64::max);
     Capsule::from_valid(ends, radius)

@@ -27,8 +27,8 @@ pub(super) fn unit_scale(bounds: &MinMax) -> f64 {
 
 /// Returns the offset of a point from a center, in scaled units.
 #[inline(always)]
-pub(super) fn scaled_offset(point: [f64; 3], centre: [f64; 3], scale: f64) -> [f64; 3] {
-    std::array::from_fn(|axis| (point[axis] - centre[axis]) * scale)
+pub(super) fn scaled_offset(point: [f64; 3], center: [f64; 3], scale: f64) -> [f64; 3] {
+    std::array::from_fn(|axis| (point[axis] - center[axis]) * scale)
 }
 
 /// Returns the squared length of an offset.
@@ -47,8 +47,8 @@ pub(super) const SQUARE_ERROR: f64 = 8.0 * HALF_ULP;
 
 /// Returns the sphere around a given center that encloses all points with the smallest double as
 /// radius.
-pub(super) fn about<T: Coordinate>(centre: [f64; 3], points: &[[T; 3]], scale: f64) -> BoundingSphere {
-    let square_of = |point: [T; 3]| squared(scaled_offset(widen(point), centre, scale));
+pub(super) fn about<T: Coordinate>(center: [f64; 3], points: &[[T; 3]], scale: f64) -> BoundingSphere {
+    let square_of = |point: [T; 3]| squared(scaled_offset(widen(point), center, scale));
     let furthest = points.iter().map(|&point| square_of(point)).fold(0.0, |far, d| if d > far { d } else { far });
     // Double-double arithmetic leaves a few of the points whose distance doubles cannot distinguish
     // from the largest. Exact arithmetic decides those.
@@ -57,13 +57,13 @@ pub(super) fn about<T: Coordinate>(centre: [f64; 3], points: &[[T; 3]], scale: f
     points
         .iter()
         .filter(|&&point| square_of(point) >= near)
-        .for_each(|&point| rim.include(widen(point), centre, scale));
+        .for_each(|&point| rim.include(widen(point), center, scale));
     rim.points.sort_by(|p, q| p.partial_cmp(q).unwrap_or(std::cmp::Ordering::Equal));
     rim.points.dedup();
     let root = furthest.sqrt() / scale;
     let below = (0..5).fold(root, |radius, _| radius.next_down()).max(0.0);
-    let radius = rim.points.iter().fold(below, |radius, &point| cover(centre, point, radius));
-    BoundingSphere::from_valid(centre, radius)
+    let radius = rim.points.iter().fold(below, |radius, &point| cover(center, point, radius));
+    BoundingSphere::from_valid(center, radius)
 }
 
 /// The points whose squared distance, in double-double arithmetic, is the largest or cannot be
@@ -74,11 +74,11 @@ struct Rim {
 }
 
 impl Rim {
-    fn include(&mut self, point: [f64; 3], centre: [f64; 3], scale: f64) {
+    fn include(&mut self, point: [f64; 3], center: [f64; 3], scale: f64) {
         /// Relative error bound, 2^-96. It exceeds the loss of double-double arithmetic in three
         /// squares and their sum, for both compared distances.
         const ERROR: f64 = 1.0 / (1_u128 << 96) as f64;
-        let square = pair_squared(point, centre, scale);
+        let square = pair_squared(point, center, scale);
         let above = (square[0] - self.greatest[0]) + (square[1] - self.greatest[1]);
         let error = ERROR * square[0];
         if above > error {
@@ -92,10 +92,10 @@ impl Rim {
 }
 
 /// Returns the squared distance of two points, in scaled units, as a pair of doubles.
-fn pair_squared(point: [f64; 3], centre: [f64; 3], scale: f64) -> [f64; 2] {
+fn pair_squared(point: [f64; 3], center: [f64; 3], scale: f64) -> [f64; 2] {
     let (mut high, mut low) = (0.0, 0.0);
     for axis in 0..3 {
-        let (difference, rest) = two_sum(point[axis], -centre[axis]);
+        let (difference, rest) = two_sum(point[axis], -center[axis]);
         let (difference, rest) = (difference * scale, rest * scale);
         let (square, lost) = two_product(difference, difference);
         let (sum, carried) = two_sum(high, square);
@@ -108,9 +108,9 @@ fn pair_squared(point: [f64; 3], centre: [f64; 3], scale: f64) -> [f64; 2] {
 
 /// Returns the smallest double that is not below `radius` nor the distance of the point. The
 /// distance must exceed `radius` by at most a few units in the last place.
-fn cover(centre: [f64; 3], point: [f64; 3], mut radius: f64) -> f64 {
+fn cover(center: [f64; 3], point: [f64; 3], mut radius: f64) -> f64 {
     let square = |x: &Dyadic| x * x;
-    let squares = [0, 1, 2].map(|axis| square(&(&Dyadic::from_f64(point[axis]) - &Dyadic::from_f64(centre[axis]))));
+    let squares = [0, 1, 2].map(|axis| square(&(&Dyadic::from_f64(point[axis]) - &Dyadic::from_f64(center[axis]))));
     let squared = &(&squares[0] + &squares[1]) + &squares[2];
     while (&squared - &Dyadic::product(radius, radius)).sign() == Sign::Positive {
         radius = radius.next_up();

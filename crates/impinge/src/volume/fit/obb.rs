@@ -73,7 +73,7 @@ pub fn principal_obb<T: Coordinate>(points: &[[T; 3]]) -> Result<Obb, InputError
 /// along these three directions has at most the volume √3 |pq| · √2 |rs| · w. The projection has an
 /// area of at least |rs| w / 2. The hull is convex and has a chord of length |pq| over it, so its
 /// volume is at least a third of their product: `volume_lower` is |pq| |rs| w / 6, less rounding.
-/// `docs/volumes.md` lists the ratio to the hull for real meshes.
+/// `docs/tasks/volumes.md` lists the ratio to the hull for real meshes.
 ///
 /// # Complexity
 /// About 30 passes over memory.
@@ -183,12 +183,12 @@ impl<'a, T: Coordinate> Set<'a, T> {
     /// half-extents are rounded up.
     fn box_along(&self, axes: [[f64; 3]; 3]) -> Obb {
         let extents = self.extents(axes);
-        let mut centre = self.origin;
+        let mut center = self.origin;
         for (axis, ([low, high], _)) in axes.into_iter().zip(extents) {
-            centre = std::array::from_fn(|k| centre[k] + axis[k] * (0.5 * (low + high) / self.scale));
+            center = std::array::from_fn(|k| center[k] + axis[k] * (0.5 * (low + high) / self.scale));
         }
         let projections = |&point: &[T; 3]| {
-            let offset = scaled_offset(widen(point), centre, self.scale);
+            let offset = scaled_offset(widen(point), center, self.scale);
             axes.map(|axis| dot(&axis, &offset).abs())
         };
         let mut reach = [0.0_f64; 3];
@@ -204,11 +204,11 @@ impl<'a, T: Coordinate> Set<'a, T> {
             let projected = projections(point);
             for k in 0..3 {
                 if projected[k] >= near[k] {
-                    exact[k] = exact[k].max(projection_up(axes[k], widen(*point), centre));
+                    exact[k] = exact[k].max(projection_up(axes[k], widen(*point), center));
                 }
             }
         }
-        Obb::of_reach(centre, axes, exact)
+        Obb::of_reach(center, axes, exact)
     }
 }
 

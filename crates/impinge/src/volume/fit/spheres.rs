@@ -42,14 +42,14 @@ impl<'a, T: Coordinate> Set<'a, T> {
 
     /// Returns the sphere around a center. The lower bound of the radius comes from the box and, if
     /// given, from two of the points.
-    fn fitted(&self, centre: [f64; 3], pair: Option<[[f64; 3]; 2]>) -> FittedSphere {
+    fn fitted(&self, center: [f64; 3], pair: Option<[[f64; 3]; 2]>) -> FittedSphere {
         let (min, max) = (self.bounds.min(), self.bounds.max());
         let by_box = (0..3).map(|axis| 0.5 * add_down(max[axis], -min[axis])).fold(0.0, f64::max);
         let by_pair = pair.map_or(0.0, |[p, q]| {
             // Half of a rounded distance, less the roundings of its square, root and division.
             0.5 * squared(scaled_offset(p, q, self.scale)).sqrt() / self.scale * (1.0 - 8.0 * HALF_ULP)
         });
-        let sphere = about(centre, self.points, self.scale);
+        let sphere = about(center, self.points, self.scale);
         FittedSphere { sphere, lower: by_box.max(by_pair).min(sphere.radius()) }
     }
 
@@ -74,9 +74,9 @@ impl<'a, T: Coordinate> Set<'a, T> {
     /// Starts with the sphere that has the two points as poles, and grows it to each point that it
     /// does not enclose yet.
     fn grown(&self, [p, q]: [[f64; 3]; 2]) -> GrowingSphere {
-        let centre = std::array::from_fn(|axis| 0.5 * p[axis] + 0.5 * q[axis]);
+        let center = std::array::from_fn(|axis| 0.5 * p[axis] + 0.5 * q[axis]);
         let mut growing =
-            GrowingSphere { centre, radius: squared(scaled_offset(p, centre, self.scale)).sqrt(), scale: self.scale };
+            GrowingSphere { center, radius: squared(scaled_offset(p, center, self.scale)).sqrt(), scale: self.scale };
         self.points.iter().for_each(|&point| growing.include(widen(point)));
         growing
     }
@@ -85,7 +85,7 @@ impl<'a, T: Coordinate> Set<'a, T> {
 /// A sphere that grows. Its radius is in scaled units.
 #[derive(Clone, Copy)]
 struct GrowingSphere {
-    centre: [f64; 3],
+    center: [f64; 3],
     radius: f64,
     scale: f64,
 }
@@ -95,13 +95,13 @@ impl GrowingSphere {
     /// sphere stays inside.
     #[inline(always)]
     fn include(&mut self, point: [f64; 3]) {
-        let offset = scaled_offset(point, self.centre, self.scale);
+        let offset = scaled_offset(point, self.center, self.scale);
         let square = squared(offset);
         if square > self.radius * self.radius {
             let distance = square.sqrt();
             let radius = 0.5 * (self.radius + distance);
             let share = (distance - radius) / distance / self.scale;
-            self.centre = std::array::from_fn(|axis| self.centre[axis] + offset[axis] * share);
+            self.center = std::array::from_fn(|axis| self.center[axis] + offset[axis] * share);
             self.radius = radius;
         }
     }
@@ -166,7 +166,7 @@ pub fn ritter_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, I
             }
         }
     }
-    Ok(set.fitted(set.grown(pair).centre, Some(pair)))
+    Ok(set.fitted(set.grown(pair).center, Some(pair)))
 }
 
 /// Returns a sphere that starts with the two points that are extreme along the first principal
@@ -184,7 +184,7 @@ pub fn ritter_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, I
 pub fn principal_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, InputError> {
     let set = Set::new(points)?;
     let pair = set.extremes(moments::principal_axes(points, set.middle(), set.scale)[0]);
-    Ok(set.fitted(set.grown(pair).centre, Some(pair)))
+    Ok(set.fitted(set.grown(pair).center, Some(pair)))
 }
 
 /// Returns the smallest of several spheres: Ritter's, then shrunk and grown again in other orders.
@@ -206,11 +206,11 @@ pub fn refined_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, 
     let set = Set::new(points)?;
     let mut best = first;
     let mut growing =
-        GrowingSphere { centre: first.sphere.centre(), radius: first.sphere.radius() * set.scale, scale: set.scale };
+        GrowingSphere { center: first.sphere.center(), radius: first.sphere.radius() * set.scale, scale: set.scale };
     for round in 0..ROUNDS {
         growing.radius *= 0.95 + 0.05 * f64::from(round) / f64::from(ROUNDS);
         visit_in_blocks(points, round, |point| growing.include(point));
-        let sphere = about(growing.centre, points, set.scale);
+        let sphere = about(growing.center, points, set.scale);
         if sphere.radius() < best.sphere.radius() {
             best.sphere = sphere;
         }

@@ -32,8 +32,8 @@ impl BoundingVolume for Lozenge {
         let candidates = [self, other].map(|part| {
             let frame = part.frame();
             let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
-            for (centre, _) in &spheres {
-                let offset = sub(centre, &part.corner);
+            for (center, _) in &spheres {
+                let offset = sub(center, &part.corner);
                 for (range, &axis) in ranges.iter_mut().zip(&frame) {
                     let t = dot(&axis, &offset);
                     *range = [range[0].min(t), range[1].max(t)];

@@ -21,7 +21,7 @@ impl BoundingVolume for Obb {
     /// Gottschalk, Lin and Manocha, *OBBTree*, 1996; Ericson 4.4.1. Both add a constant to the
     /// edge-cross axes if edges are nearly parallel; here each axis has its own error bound.
     fn overlaps(&self, other: &Self) -> bool {
-        let between = sub(&other.centre, &self.centre);
+        let between = sub(&other.center, &self.center);
         let sum = |v: [f64; 3]| v[0].abs() + v[1].abs() + v[2].abs();
         // Error bound: two roundings of a difference or product, three of each dot product, one of
         // its product with the half-extent, six of sums. That is 12 half units of |n|·size, with
@@ -40,7 +40,7 @@ impl BoundingVolume for Obb {
     }
 
     fn contains(&self, point: [f64; 3]) -> bool {
-        let offset = sub(&point, &self.centre);
+        let offset = sub(&point, &self.center);
         let size = offset[0].abs() + offset[1].abs() + offset[2].abs();
         // The skew of the axes, at most 2^-40 and its square, plus eight roundings.
         let error = (2.0 * deviation(&self.axes) + 16.0 * HALF_ULP) * size + f64::MIN_POSITIVE;
@@ -53,20 +53,20 @@ impl BoundingVolume for Obb {
             Self::around(self.axes, &[self.generated(), other.generated()]),
             Self::around(other.axes, &[other.generated(), self.generated()]),
         );
-        let key = |obb: &Self| (obb.volume(), obb.axes, obb.centre);
+        let key = |obb: &Self| (obb.volume(), obb.axes, obb.center);
         if key(&first) <= key(&second) { first } else { second }
     }
 
     /// Accepts any affine map. The axes are rotated and made orthonormal again; the half-extents
     /// cover the extent of the image along them.
     fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
-        let (centre, centre_error) = image(world_from_local, self.centre);
+        let (center, center_error) = image(world_from_local, self.center);
         let turned = self.axes.map(|axis| direction(world_from_local, axis));
         let generators = turned.map(|(generator, _)| generator);
-        let error = (0..3).fold(centre_error, |error, k| add_up(error, mul_up(self.half_extents[k], turned[k].1)));
-        let image = Generated { centre, generators, half_extents: self.half_extents, error };
+        let error = (0..3).fold(center_error, |error, k| add_up(error, mul_up(self.half_extents[k], turned[k].1)));
+        let image = Generated { center, generators, half_extents: self.half_extents, error };
         let moved = Self::around(orthonormal(generators), &[image]);
-        Self::new(moved.centre, moved.axes, moved.half_extents)
+        Self::new(moved.center, moved.axes, moved.half_extents)
     }
 
     fn volume(&self) -> f64 {

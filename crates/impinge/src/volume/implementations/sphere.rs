@@ -17,12 +17,12 @@ impl BoundingVolume for BoundingSphere {
     /// difference of the radii, which is wrong; the sum is right.
     #[inline]
     fn overlaps(&self, other: &Self) -> bool {
-        distance_against(self.centre, other.centre, self.radius, other.radius) != Sign::Positive
+        distance_against(self.center, other.center, self.radius, other.radius) != Sign::Positive
     }
 
     /// Reports whether the point is inside, exactly for a point within the range of 2^320.
     fn contains(&self, point: [f64; 3]) -> bool {
-        distance_against(self.centre, point, self.radius, 0.0) != Sign::Positive
+        distance_against(self.center, point, self.radius, 0.0) != Sign::Positive
     }
 
     /// Returns the smallest sphere that encloses both, up to rounding: one of them, or the one
@@ -36,21 +36,21 @@ impl BoundingVolume for BoundingSphere {
         }
         // A fixed order, so swapping the two spheres changes no bit.
         let (a, b) =
-            if (self.centre, self.radius) <= (other.centre, other.radius) { (self, other) } else { (other, self) };
-        let between: [f64; 3] = std::array::from_fn(|axis| b.centre[axis] - a.centre[axis]);
-        let distance = distance_up(a.centre, b.centre);
+            if (self.center, self.radius) <= (other.center, other.radius) { (self, other) } else { (other, self) };
+        let between: [f64; 3] = std::array::from_fn(|axis| b.center[axis] - a.center[axis]);
+        let distance = distance_up(a.center, b.center);
         let share = (0.5 * (distance + b.radius - a.radius) / distance).clamp(0.0, 1.0);
-        let centre: [f64; 3] = std::array::from_fn(|axis| a.centre[axis] + share * between[axis]);
-        let reach = |part: &Self| add_up(distance_up(centre, part.centre), part.radius);
-        Self { centre, radius: reach(a).max(reach(b)) }
+        let center: [f64; 3] = std::array::from_fn(|axis| a.center[axis] + share * between[axis]);
+        let reach = |part: &Self| add_up(distance_up(center, part.center), part.radius);
+        Self { center, radius: reach(a).max(reach(b)) }
     }
 
     /// Accepts poses that are rigid within 1e-4. The radius grows by the bound of the pose's
     /// stretch and by the rounding error of the center. If both are exact it does not grow.
     fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
         let stretch = stretch(world_from_local)?;
-        let (centre, off) = image(world_from_local, self.centre);
-        Self::new(centre, add_up(mul_up(self.radius, stretch), off))
+        let (center, off) = image(world_from_local, self.center);
+        Self::new(center, add_up(mul_up(self.radius, stretch), off))
     }
 
     fn volume(&self) -> f64 {

@@ -27,13 +27,13 @@ impl Proxies {
     /// included, because the mesh has them.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        let HullParts { kind, vertices, faces, first, neighbours } = self.hull.parts();
+        let HullParts { kind, vertices, faces, first, neighbors } = self.hull.parts();
         let kind = KINDS.iter().position(|&one| one == kind).map_or(0, |at| at as u32 + 1);
-        let counts = [kind, vertices.len() as u32, faces.len() as u32, neighbours.len() as u32];
+        let counts = [kind, vertices.len() as u32, faces.len() as u32, neighbors.len() as u32];
         let mut bytes: Vec<u8> = counts.into_iter().flat_map(u32::to_le_bytes).collect();
         // Adding zero makes negative zeros positive.
         bytes.extend(self.volumes.numbers().into_iter().flat_map(|x| (x + 0.0).to_le_bytes()));
-        for array in [vertices, faces.as_flattened(), first, neighbours] {
+        for array in [vertices, faces.as_flattened(), first, neighbors] {
             bytes.extend(array.iter().flat_map(|x| x.to_le_bytes()));
         }
         bytes
@@ -49,17 +49,17 @@ impl Proxies {
     }
 
     fn read(mut bytes: &[u8], position: impl Fn(u32) -> Option<[f64; 3]>) -> Option<Self> {
-        let [kind, vertices, faces, neighbours] = *words(&mut bytes, 4)?.first_chunk()?;
+        let [kind, vertices, faces, neighbors] = *words(&mut bytes, 4)?.first_chunk()?;
         let kind = *KINDS.get((kind as usize).checked_sub(1)?)?;
         let numbers: Vec<f64> = take(&mut bytes, NUMBERS)?.iter().map(|&x| f64::from_le_bytes(x)).collect();
         let volumes = Volumes::of_numbers(&numbers)?;
-        let [vertices, faces, neighbours] = [vertices, faces, neighbours].map(|count| count as usize);
+        let [vertices, faces, neighbors] = [vertices, faces, neighbors].map(|count| count as usize);
         let vertices = words(&mut bytes, vertices)?;
         let faces = words(&mut bytes, faces.checked_mul(3)?)?;
         let first = words(&mut bytes, vertices.len() + 1)?;
-        let neighbours = words(&mut bytes, neighbours)?;
+        let neighbors = words(&mut bytes, neighbors)?;
         let faces = faces.as_chunks().0;
-        let parts = HullParts { kind, vertices: &vertices, faces, first: &first, neighbours: &neighbours };
+        let parts = HullParts { kind, vertices: &vertices, faces, first: &first, neighbors: &neighbors };
         let hull = Hull::from_parts(&parts, position)?;
         bytes.is_empty().then(|| Self { hull: Arc::new(hull), volumes })
     }
@@ -69,13 +69,13 @@ impl Volumes {
     fn numbers(&self) -> Vec<f64> {
         let Self { bounds, sphere, capsule, lozenge, obb, kdop14, kdop18, kdop26 } = self;
         let mut numbers = Vec::with_capacity(NUMBERS);
-        numbers.extend([bounds.min(), bounds.max(), sphere.centre()].as_flattened());
+        numbers.extend([bounds.min(), bounds.max(), sphere.center()].as_flattened());
         numbers.push(sphere.radius());
         numbers.extend(capsule.ends().as_flattened());
         numbers.push(capsule.radius());
         numbers.extend(lozenge.corner().iter().chain(lozenge.edges().as_flattened()));
         numbers.push(lozenge.radius());
-        numbers.extend(obb.centre().iter().chain(obb.axes().as_flattened()).chain(&obb.half_extents()));
+        numbers.extend(obb.center().iter().chain(obb.axes().as_flattened()).chain(&obb.half_extents()));
         numbers.extend(kdop14.low().iter().chain(&kdop14.high()));
         numbers.extend(kdop18.low().iter().chain(&kdop18.high()));
         numbers.extend(kdop26.low().iter().chain(&kdop26.high()));

@@ -23,7 +23,7 @@ pub use proof::ProxyFlaw;
 /// let proxies = Proxies::of_points(&corners)?;
 /// assert_eq!(proxies.hull().vertices().len(), 8);
 /// assert_eq!(proxies.bounds().volume(), 1.0);
-/// assert_eq!(proxies.sphere().centre(), [0.5; 3]);
+/// assert_eq!(proxies.sphere().center(), [0.5; 3]);
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 ///
@@ -73,7 +73,7 @@ impl Proxies {
             lozenge: fit::lozenge(corners)?,
             // The half-extents use the same sums as the proof, so the proof cannot find them one
             // bit too small.
-            obb: Obb::about(obb.centre(), obb.axes(), corners),
+            obb: Obb::about(obb.center(), obb.axes(), corners),
             kdop14: Kdop14::of(corners)?,
             kdop18: Kdop18::of(corners)?,
             kdop26: Kdop26::of(corners)?,

@@ -62,7 +62,7 @@ impl Volumes {
         let swept =
             |core: &Core, radius: f64| points.iter().all(|&point| round::distance_to_core(point, core) <= radius);
         let all = |holds: &dyn Fn([f64; 3]) -> bool| points.iter().all(|&point| holds(point));
-        let reach = Obb::about(obb.centre(), obb.axes(), points).half_extents();
+        let reach = Obb::about(obb.center(), obb.axes(), points).half_extents();
         [
             ("box", all(&|point| bounds.contains(point))),
             ("sphere", all(&|point| sphere.contains(point))),

@@ -2,7 +2,7 @@
 
 use super::Realign;
 use crate::exact::{image_down, image_up};
-use crate::hull::judge;
+use crate::hull::validate_points;
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 use crate::math::relative::UNIT_ROUNDOFF;
@@ -39,8 +39,8 @@ impl LooseBox {
     /// The radius exceeds the distance of the farthest point by at most 1e-12 of that distance plus
     /// 2^-530.
     pub fn new<T: Copy + Into<f64> + Sync>(points: &[[T; 3]], pivot: [f64; 3]) -> Result<Self, InputError> {
-        judge(points)?;
-        if let Err(error) = judge(&[pivot]) {
+        validate_points(points)?;
+        if let Err(error) = validate_points(&[pivot]) {
             let index = points.len();
             return Err(InputError::new(match *error.kind() {
                 InputErrorKind::OutOfRange { what, limit, .. } => InputErrorKind::OutOfRange { what, index, limit },

@@ -16,7 +16,7 @@
 //! The pose always maps from the local frame. No way uses its last box, so boxes do not grow over a
 //! thousand rotations.
 //!
-//! Tests: `tests/it/realign`. Benchmark: `realign`. Proof: `docs/proof.md`.
+//! Tests: `tests/it/realign`. Benchmark: `realign`. Proof: `docs/notes/proof.md`.
 
 mod loose;
 mod rotated;

@@ -25,7 +25,7 @@ const ROUNDING: f64 = 8.0 * UNIT_ROUNDOFF;
 /// coordinate j.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotatedBox {
-    centre: [f64; 3],
+    center: [f64; 3],
     /// Half-extents, enlarged by the rounding error that any image may have.
     half_extents: [f64; 3],
 }
@@ -43,12 +43,12 @@ impl RotatedBox {
     #[must_use]
     pub fn new(bounds: &MinMax) -> Self {
         let (min, max) = (bounds.min(), bounds.max());
-        let centre: [f64; 3] = std::array::from_fn(|k| 0.5 * min[k] + 0.5 * max[k]);
+        let center: [f64; 3] = std::array::from_fn(|k| 0.5 * min[k] + 0.5 * max[k]);
         let half_extents = std::array::from_fn(|k| {
-            let half = (max[k] - centre[k]).max(centre[k] - min[k]).next_up();
-            (half + ROUNDING * (centre[k].abs() + half)).next_up()
+            let half = (max[k] - center[k]).max(center[k] - min[k]).next_up();
+            (half + ROUNDING * (center[k].abs() + half)).next_up()
         });
-        Self { centre, half_extents }
+        Self { center, half_extents }
     }
 
     /// Computes the images of many boxes under one pose. They replace the contents of `images`.
@@ -79,14 +79,14 @@ impl RotatedBox {
     #[inline(always)]
     fn image(&self, world_from_local: &Pose) -> MinMax {
         let (rows, translation) = (world_from_local.linear(), world_from_local.translation());
-        let (c, e) = (&self.centre, &self.half_extents);
+        let (c, e) = (&self.center, &self.half_extents);
         let (mut min, mut max) = ([0.0; 3], [0.0; 3]);
         for axis in 0..3 {
             let [x, y, z] = rows[axis];
             let t = translation[axis];
-            let centre = x * c[0] + y * c[1] + z * c[2] + t;
+            let center = x * c[0] + y * c[1] + z * c[2] + t;
             let half = x.abs() * e[0] + y.abs() * e[1] + z.abs() * e[2] + (t.abs() * ROUNDING + UNDERFLOW);
-            (min[axis], max[axis]) = (centre - half, centre + half);
+            (min[axis], max[axis]) = (center - half, center + half);
         }
         MinMax::from_ordered(min, max)
     }
@@ -116,13 +116,13 @@ impl<S: Simd> Columns<S> {
     /// Computes the sums of [`RotatedBox::image`] in the same order, so the bits are the same.
     #[inline(always)]
     fn image(&self, simd: S, one: &RotatedBox) -> MinMax {
-        let [c0, c1, c2]: [f64x4<S>; 3] = by_axis!(k => self.columns[k] * f64x4::splat(simd, one.centre[k]));
+        let [c0, c1, c2]: [f64x4<S>; 3] = by_axis!(k => self.columns[k] * f64x4::splat(simd, one.center[k]));
         let [e0, e1, e2]: [f64x4<S>; 3] = by_axis!(k => self.magnitudes[k] * f64x4::splat(simd, one.half_extents[k]));
-        let centre = c0 + c1 + c2 + self.translation;
+        let center = c0 + c1 + c2 + self.translation;
         let half = e0 + e1 + e2 + self.slack;
         let (mut min, mut max) = ([0.0; 4], [0.0; 4]);
-        (centre - half).store_slice(&mut min);
-        (centre + half).store_slice(&mut max);
+        (center - half).store_slice(&mut min);
+        (center + half).store_slice(&mut max);
         MinMax::from_ordered([min[0], min[1], min[2]], [max[0], max[1], max[2]])
     }
 }

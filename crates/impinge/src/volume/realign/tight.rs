@@ -3,7 +3,7 @@
 
 use super::Realign;
 use crate::exact::{image_down, image_up};
-use crate::hull::{Extremes, Hull, climb, judge, stored};
+use crate::hull::{Extremes, Hull, climb, stored, validate_points};
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::volume::MinMax;
@@ -25,7 +25,7 @@ impl<'p, T: Copy + Into<f64> + Sync> TightPoints<'p, T> {
     /// # Errors
     /// Same as [`Hull::new`].
     pub fn new(points: &'p [[T; 3]]) -> Result<Self, InputError> {
-        judge(points)?;
+        validate_points(points)?;
         Ok(Self { points, extremes: Extremes::new(points) })
     }
 }

@@ -7,7 +7,7 @@ pub(super) const SAMPLE: usize = 256;
 
 /// Edge length of the smallest cells of a grid, relative to the 75th percentile of the box sizes.
 /// With 1.25, most boxes are in two or four cells, and most of these cells fit into one line of
-/// memory (`docs/partition.md`).
+/// memory (`docs/tasks/partitions.md`).
 const CELL_FACTOR: f64 = 1.25;
 
 /// Edge length of the smallest cells, in world units, if sizes are unknown or zero. Smaller boxes

@@ -1,4 +1,4 @@
-//! Distances of the corpus of cases.
+//! Distances in the corpus of cases (`cases/distances.toml`).
 
 use impinge_testkit::cases::distances;
 

@@ -1,4 +1,4 @@
-//! `within` at the clearance itself, and a float to either side of the distance.
+//! `within` at exactly the clearance, and one float to either side of the distance.
 
 use impinge::exact::{Placement, triangles_within};
 use impinge::query;
@@ -13,7 +13,7 @@ use crate::distance::ways::{engine_mesh, engine_pose, within_in_every_way};
 
 #[test]
 fn boxes_at_exactly_the_clearance_are_within() {
-    // Distances 5, 13 and 7 by Pythagoras: across an edge, and corner to corner.
+    // The distances are 5, 13 and 7 by Pythagoras: across an edge, and corner to corner.
     let cube = engine_mesh(&cuboid([0.0; 3], [1.0; 3]));
     for (step, distance) in [([4.0, 5.0, 0.5], 5.0), ([4.0, 5.0, 13.0], 13.0), ([3.0, -4.0, 7.0], 7.0)] {
         for scale in [1e-6, 1e-3, 1.0, 1024.0] {
@@ -82,18 +82,18 @@ fn triangles_within_is_the_rational_comparison() {
 }
 
 #[test]
-fn clearances_that_are_none_are_kept_by_nothing() {
+fn nothing_is_within_a_negative_or_nan_clearance() {
     let cube = engine_mesh(&cuboid([0.0; 3], [1.0; 3]));
     assert!(query::within(&cube, &cube, 0.0));
-    for none in [-1.0, -f64::MIN_POSITIVE, f64::NAN, f64::NEG_INFINITY] {
-        assert!(!query::within(&cube, &cube, none));
+    for invalid in [-1.0, -f64::MIN_POSITIVE, f64::NAN, f64::NEG_INFINITY] {
+        assert!(!query::within(&cube, &cube, invalid));
     }
     assert!(query::within(&cube, &cube, f64::INFINITY));
 }
 
-/// Two plates of a grid whose faces are all equally far apart, but for the last bits.
+/// Checks two plates whose faces all have the same distance up to the last bits.
 #[test]
-fn plates_of_many_ties_are_what_all_pairs_say() {
+fn plates_of_many_ties_agree_with_all_pairs() {
     let n = 5;
     let vertices: Vec<[f64; 3]> = (0..n * n).map(|i| [f64::from(i % n), f64::from(i / n), 0.0]).collect();
     let corners = (0..n * n).filter(|i| i % n < n - 1 && i / n < n - 1).map(|i| i as u32);

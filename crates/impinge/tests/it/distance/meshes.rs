@@ -1,4 +1,4 @@
-//! Meshes against all their pairs in rationals, and laws.
+//! Distances of meshes against all pairs of faces in rationals, and invariants.
 
 use dashu_ratio::RBig;
 use impinge::primitive::closest_on_triangles;
@@ -17,7 +17,7 @@ pub(crate) fn images(mesh: &Plain, pose: &Affine) -> Vec<[Point; 3]> {
     mesh.faces.iter().map(|face| face.map(|v| image(pose, mesh.vertices[v as usize]))).collect()
 }
 
-/// The squares of the distances of all pairs of faces, a's first.
+/// Returns the squared distances of all pairs of faces. The face of `a` comes first.
 pub(crate) fn all_pairs(a: &[[Point; 3]], b: &[[Point; 3]]) -> Vec<([u32; 2], RBig)> {
     let mut pairs = Vec::new();
     for (i, p) in a.iter().enumerate() {
@@ -28,7 +28,7 @@ pub(crate) fn all_pairs(a: &[[Point; 3]], b: &[[Point; 3]]) -> Vec<([u32; 2], RB
     pairs
 }
 
-/// The least square of all pairs.
+/// Returns the smallest squared distance.
 pub(crate) fn least(pairs: &[([u32; 2], RBig)]) -> &RBig {
     pairs.iter().map(|(_, squared)| squared).min().expect("faces")
 }
@@ -37,7 +37,8 @@ fn faces(distance: &Distance) -> [u32; 2] {
     distance.witness.and_then(|witness| witness.faces).expect("meshes with faces")
 }
 
-/// Small soups of integer corners with ties, moved apart or into each other, under poses that keep or bend them.
+/// Returns two small soups of integer corners with many ties, and poses that move them apart or
+/// into each other. Some poses distort.
 fn scene(seed: u64) -> (Plain, Plain, Affine, Affine) {
     let mut rng = Rng::new(seed);
     let side = rng.integer(1, 6);
@@ -77,7 +78,7 @@ fn scene(seed: u64) -> (Plain, Plain, Affine, Affine) {
 }
 
 #[test]
-fn n7_n11_n12_soups_have_the_distance_of_all_their_pairs() {
+fn soups_have_the_distance_of_all_their_pairs() {
     let (mut met, mut tied) = (0, 0);
     for seed in 0..72 {
         let (a, b, pose_a, pose_b) = scene(seed);
@@ -97,13 +98,14 @@ fn n7_n11_n12_soups_have_the_distance_of_all_their_pairs() {
         assert_eq!(intersects, found.upper == 0.0, "seed {seed}");
         tied += usize::from(pairs.iter().filter(|pair| pair.1 == *truth).count() > 1);
     }
-    assert!((10..60).contains(&met), "{met} of 72 meet");
+    assert!((10..60).contains(&met), "{met} of 72 intersect");
     assert!(tied > 15, "{tied} of 72 tie");
 }
 
 #[test]
 fn smooth_meshes_have_the_distance_of_all_their_pairs() {
-    // Trees of some levels, whose nodes have slabs; apart, close, nested and stretched.
+    // The trees have several levels, whose nodes have slabs. The meshes are apart, close, nested
+    // and stretched.
     let sphere = icosphere(3);
     let knot = torus_knot(32, 10, TREFOIL);
     let small = knot.clone().scaled(0.125);
@@ -132,7 +134,7 @@ fn smooth_meshes_have_the_distance_of_all_their_pairs() {
 }
 
 #[test]
-fn n16_swapping_keeps_the_distance_and_swaps_the_points() {
+fn swapping_the_meshes_keeps_the_distance() {
     for seed in 200..260 {
         let (a, b, pose_a, pose_b) = scene(seed);
         let (mesh_a, mesh_b) = (engine_mesh(&a), engine_mesh(&b));
@@ -158,13 +160,14 @@ fn moving_both_keeps_the_distance() {
         };
         let found = distance_in_every_way((&mesh, &moved(&Affine::IDENTITY)), (&mesh, &moved(&apart)));
         assert!(found.lower <= still.upper && still.lower <= found.upper, "{found:?} and {still:?}");
-        assert!(found.upper - found.lower < 1e-12, "{found:?}: far from the origin it is as good");
+        assert!(found.upper - found.lower < 1e-12, "{found:?}: the interval must stay narrow far from the origin");
     }
 }
 
 #[test]
 fn ties_go_to_the_first_faces() {
-    // Two planes of squares face each other: every pair of faces whose shadows touch is as near as every other.
+    // Two planes of squares face each other. Every pair of faces that overlap in projection has the
+    // same distance.
     let plane = engine_mesh(&plane_grid(4, 3));
     for (gap, step) in [(1.0, 0.0), (0.25, 1.0), (3.0, 0.5)] {
         let pose = Affine::translation([step, 0.0, gap]);
@@ -175,12 +178,12 @@ fn ties_go_to_the_first_faces() {
         let pairs = query::intersecting_pairs(&plane, plane.at(engine_pose(&flat)));
         assert_eq!(touching.upper, 0.0);
         assert!(pairs.contains(&faces(&touching)), "{touching:?}");
-        assert_eq!(faces(&found), pairs[0], "the same shadows");
+        assert_eq!(faces(&found), pairs[0], "the same overlap in projection");
     }
 }
 
 #[test]
-fn n8_an_empty_mesh_is_infinitely_far() {
+fn an_empty_mesh_is_infinitely_far() {
     let empty = Mesh::new(Positions::F64(vec![[0.0; 3]]), Vec::new()).expect("an empty mesh");
     let sphere = engine_mesh(&icosphere(1));
     for found in [query::distance(&empty, &sphere), query::distance(&sphere, &empty), query::distance(&empty, &empty)] {
@@ -191,7 +194,7 @@ fn n8_an_empty_mesh_is_infinitely_far() {
 }
 
 #[test]
-fn n17_nested_spheres_are_as_far_as_their_radii() {
+fn nested_spheres_have_the_distance_of_their_surfaces() {
     let outer = engine_mesh(&icosphere(3).scaled(2.0));
     let inner = engine_mesh(&icosphere(3));
     let found = distance_in_every_way((&outer, &Affine::IDENTITY), (&inner, &Affine::translation([0.25, 0.0, 0.0])));
@@ -202,7 +205,7 @@ fn n17_nested_spheres_are_as_far_as_their_radii() {
 }
 
 #[test]
-fn far_apart_meshes_have_a_distance_and_take_no_time() {
+fn meshes_far_apart_have_accurate_distances() {
     let sphere = engine_mesh(&icosphere(2));
     for exponent in [2, 5, 8, 11, 14, 17, 30, 80] {
         let away = 10.0_f64.powi(exponent);
@@ -215,7 +218,7 @@ fn far_apart_meshes_have_a_distance_and_take_no_time() {
 }
 
 #[test]
-fn n7_a_screw_over_a_plate_of_a_thousand_kilometres() {
+fn a_tiny_screw_over_a_plate_of_1000_km_has_its_distance() {
     let plate = engine_mesh(&cuboid([-5e5, -5e5, -1.0], [5e5, 5e5, 0.0]));
     let screw = engine_mesh(&icosphere(3).scaled(1e-3));
     let pose = Affine::translation([1234.5, -77.0, 0.003]);
@@ -224,7 +227,7 @@ fn n7_a_screw_over_a_plate_of_a_thousand_kilometres() {
 }
 
 #[test]
-fn n20_distances_are_the_worlds_where_poses_stretch() {
+fn distances_under_stretching_poses_are_in_world_units() {
     let cube = engine_mesh(&cuboid([-1.0; 3], [1.0; 3]));
     let stretch = Affine::new([[3.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.5]], [10.0, 0.0, 0.0]);
     let found = distance_in_every_way((&cube, &Affine::IDENTITY), (&cube, &stretch));
@@ -235,7 +238,7 @@ fn n20_distances_are_the_worlds_where_poses_stretch() {
 }
 
 #[test]
-fn a_witness_of_other_meshes_is_no_harm() {
+fn a_cache_of_other_meshes_changes_no_distance() {
     let (large, small) = (engine_mesh(&icosphere(3)), engine_mesh(&cuboid([0.0; 3], [1.0; 3])));
     let apart = Pose::from_translation([5.0, 0.0, 0.0]).expect("a pose");
     let mut cache = query::Cache::default();

@@ -1,4 +1,5 @@
-//! Distances, clearances, nearest points and rays against rational arithmetic that shares nothing with the engine.
+//! Distances, clearances, closest points and rays against rational arithmetic that shares no code
+//! with the engine.
 
 mod cases;
 mod clearances;

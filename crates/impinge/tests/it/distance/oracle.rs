@@ -1,8 +1,10 @@
-//! Distances of points, segments, triangles and rays in rationals.
+//! Oracle: distances of points, segments, triangles and rays in rationals.
 //!
-//! The nearest points of two simplices are those of the affine hulls of some of their corners, with weights that are not
-//! negative: all pairs of sets of corners are tried, each by the normal equations. Where these are singular a smaller
-//! set has the same least value. Likewise for what a ray has in common with a triangle.
+//! The closest points of two simplices lie in the affine hulls of some of their corners, with
+//! weights of zero or more. The oracle tries all pairs of sets of corners (49 for two triangles),
+//! each by the normal equations. If the equations are singular, a smaller set has the same minimum.
+//! The intersection of a ray with a triangle is found in the same way. It checks `query::distance`,
+//! `query::within`, `Mesh::closest_point` and the ray casts.
 
 use dashu_ratio::RBig;
 use impinge_testkit::Affine;
@@ -17,7 +19,7 @@ pub(crate) fn point(p: [f64; 3]) -> Point {
     p.map(rational)
 }
 
-/// The exact image of a point.
+/// Returns the exact image of a point.
 pub(crate) fn image(pose: &Affine, p: [f64; 3]) -> Point {
     let p = point(p);
     [0, 1, 2].map(|k| {
@@ -34,7 +36,7 @@ pub(crate) fn dot(p: &Point, q: &Point) -> RBig {
     &p[0] * &q[0] + &p[1] * &q[1] + &p[2] * &q[2]
 }
 
-/// The square of the distance of the hulls of two sets of points.
+/// Returns the squared distance of the convex hulls of two sets of points.
 pub(crate) fn squared_distance(a: &[Point], b: &[Point]) -> RBig {
     let mut least: Option<RBig> = None;
     for set_a in subsets(a) {
@@ -54,7 +56,8 @@ fn subsets(points: &[Point]) -> Vec<Vec<&Point>> {
         .collect()
 }
 
-/// The square of the distance of two affine hulls, where the nearest points are unique and have no negative weight.
+/// Returns the squared distance of two affine hulls, or `None` if the closest points are not unique
+/// or have a negative weight.
 fn hulls(a: &[&Point], b: &[&Point]) -> Option<RBig> {
     let mut columns: Vec<Point> = a[1..].iter().map(|p| sub(p, a[0])).collect();
     columns.extend(b[1..].iter().map(|p| sub(b[0], p)));
@@ -82,8 +85,8 @@ fn hulls(a: &[&Point], b: &[&Point]) -> Option<RBig> {
     Some(dot(&rest, &rest))
 }
 
-/// The unique solution of linear equations, a row of coefficients and the right-hand side each; more rows than
-/// unknowns must agree.
+/// Returns the unique solution of linear equations, or `None`. Each row holds the coefficients and
+/// then the right-hand side. Additional rows must be consistent.
 fn solve(mut rows: Vec<Vec<RBig>>) -> Option<Vec<RBig>> {
     let Some(unknowns) = rows.first().map(|row| row.len() - 1) else { return Some(Vec::new()) };
     for column in 0..unknowns {
@@ -103,12 +106,14 @@ fn solve(mut rows: Vec<Vec<RBig>>) -> Option<Vec<RBig>> {
     agree.then(|| rows[..unknowns].iter().map(|row| row[unknowns].clone()).collect())
 }
 
-/// The least `t`, zero or more, at which `origin + t direction` is in the hull of some points.
+/// Returns the smallest `t` of zero or more for which `origin + t direction` is in the hull of some
+/// points.
 pub(crate) fn ray(origin: &Point, direction: &Point, points: &[Point]) -> Option<RBig> {
     let mut least: Option<RBig> = None;
     for set in subsets(points) {
         for starts in [false, true] {
-            // Unknowns: t, unless the ray's start is asked about, and the weights of all but one point.
+            // The unknowns are t, unless only the ray's start is tested, and the weights of all but
+            // one point.
             let rows = (0..3)
                 .map(|k| {
                     let mut row = if starts { Vec::new() } else { vec![direction[k].clone()] };
@@ -129,7 +134,8 @@ pub(crate) fn ray(origin: &Point, direction: &Point, points: &[Point]) -> Option
     least
 }
 
-/// Whether the root of `squared` lies between two floats, infinite ones included.
+/// Reports whether the square root of `squared` lies between two floats. The upper one may be
+/// infinite.
 pub(crate) fn root_is_between(squared: &RBig, lower: f64, upper: f64) -> bool {
     let square = |x: f64| rational(x) * rational(x);
     lower >= 0.0 && square(lower) <= *squared && (upper == f64::INFINITY || *squared <= square(upper))

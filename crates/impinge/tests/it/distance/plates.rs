@@ -1,4 +1,7 @@
-//! Flat sides that face each other: thousands of pairs of faces tie, and planes prove the distance at once.
+//! Flat sides that face each other: thousands of pairs of faces tie, and bounds from planes end the
+//! search at once.
+//!
+//! Guards the direction bounds of `mesh::distance`.
 
 use impinge::hierarchy::Builder;
 use impinge::query::{Cache, Query};
@@ -10,13 +13,15 @@ use impinge_testkit::generate::solids::plane_grid;
 
 use crate::distance::ways::{all_options, engine_mesh, engine_pose};
 
-/// The map, and then a step in its own frame.
+/// Returns the map followed by a step along its own axes.
 fn beside(map: &Affine, step: [f64; 3]) -> Affine {
     let moved = |i: usize| (0..3).map(|k| map.linear[i][k] * step[k]).sum::<f64>() + map.translation[i];
     Affine { linear: map.linear, translation: [0, 1, 2].map(moved) }
 }
 
-/// What [`query::within`] decides exactly is what the interval says, which is a few units of the last place wide.
+/// Checks the interval of a distance against [`query::within`], which is exact, and returns it.
+///
+/// The interval must be the same for every option, with and without a cache.
 fn check_interval(mesh: &Mesh, map: &Affine, other: &Affine) -> [f64; 2] {
     let (a, b) = (mesh.at(engine_pose(map)), mesh.at(engine_pose(other)));
     let mut warm = Cache::default();
@@ -24,7 +29,7 @@ fn check_interval(mesh: &Mesh, map: &Affine, other: &Affine) -> [f64; 2] {
     for options in all_options() {
         for mut cache in [Cache::default(), warm.clone()] {
             let again = Query::new().with_options(options).with_cache(&mut cache).distance(a, b);
-            // Which of the faces that tie bear witness may depend on the host.
+            // The witness among tied faces may depend on the host.
             assert_eq!([again.lower, again.upper], [found.lower, found.upper], "{:?}", options.host);
         }
     }
@@ -44,7 +49,7 @@ fn plates_have_their_distance_to_the_last_digits() {
         let gap = [0.1 + 0.2, 7.0, 1.0 / 3.0][round / 2 % 3];
         let shift = if round < 6 { [0.25, 0.5, gap] } else { [3.0, -5.0, gap] };
         let [lower, upper] = check_interval(&mesh, &map, &beside(&map, shift));
-        // In exact numbers the gap is that of the rounded matrix.
+        // Because the matrix is rounded, the exact gap differs slightly from `gap`.
         assert!((upper - gap).abs() < 1e-13, "round {round}: {lower} to {upper}");
         assert!(round % 2 == 1 || (lower <= gap && gap <= upper), "round {round}: {lower} to {upper}, not {gap}");
         narrow += usize::from(upper - lower <= 8.0 * f64::EPSILON * gap);
@@ -52,9 +57,10 @@ fn plates_have_their_distance_to_the_last_digits() {
     assert!(narrow >= 10, "{narrow} of 12 are proved by planes");
 }
 
-/// How the hierarchy was built does not show, nor a vertex between the plates that no face uses, but in how much is proved.
+/// Checks that the builder changes no bit of the interval, and that an unused vertex between the
+/// plates only widens it.
 #[test]
-fn plates_have_one_distance_however_they_were_built() {
+fn builders_change_no_bit_of_the_distance_of_plates() {
     let plate = plane_grid(40, 40);
     let mut rng = Rng::new(489);
     let map = rotation(&mut rng);
@@ -73,9 +79,10 @@ fn plates_have_one_distance_however_they_were_built() {
     assert!(lower <= intervals[0][0] && intervals[0][1] <= upper && upper - lower < 1e-11, "{lower} to {upper}");
 }
 
-/// A plate that is tilted a little, or has one vertex out of its plane, is not as near as its plane.
+/// Checks plates that are tilted slightly, or have one vertex out of their plane: the nearest
+/// corner decides.
 #[test]
-fn plates_that_are_hardly_parallel_have_the_distance_of_their_nearest_corner() {
+fn nearly_parallel_plates_have_the_distance_of_their_nearest_corner() {
     for (tilt, bump) in [(1e-9, 0.0), (0.0, 1e-9), (1e-14, 0.0), (0.0, 1e-14), (0.0, -1e-9)] {
         let mut plate = plane_grid(40, 40);
         let [low, high] = [0, 1].map(|end| {
@@ -89,7 +96,7 @@ fn plates_that_are_hardly_parallel_have_the_distance_of_their_nearest_corner() {
         let above = engine_mesh(&plane_grid(40, 40));
         let other = Affine::translation([0.1, 0.2, 0.5]);
         let found = query::distance(&below, above.at(engine_pose(&other)));
-        // The plates lie over each other nearly everywhere, at the higher end of the tilt too.
+        // The plates overlap in projection nearly everywhere, at the higher end of the tilt too.
         let expected = 0.5 - tilt - bump.max(0.0);
         let is_held = found.lower <= expected + 1e-15 && expected - 1e-15 <= found.upper;
         assert!(is_held && found.upper - found.lower < 4e-12, "{tilt} {bump}: {found:?}, not {expected}");

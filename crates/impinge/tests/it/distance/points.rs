@@ -1,4 +1,4 @@
-//! The nearest point of a mesh against all its faces in rationals.
+//! The closest point of a mesh against all its faces in rationals.
 
 use impinge::{InputErrorKind, Mesh, Positions};
 use impinge_testkit::Affine;
@@ -10,7 +10,7 @@ use crate::distance::oracle::{point, root_is_between, squared_distance};
 use crate::distance::ways::engine_mesh;
 
 #[test]
-fn n11_n12_the_nearest_of_all_faces_is_found() {
+fn the_nearest_of_all_faces_is_found() {
     let mut touching = 0;
     for seed in 0..60 {
         let mut rng = Rng::new(3000 + seed);
@@ -41,7 +41,7 @@ fn n11_n12_the_nearest_of_all_faces_is_found() {
 }
 
 #[test]
-fn many_points_are_as_single_ones() {
+fn many_points_are_answered_as_one_by_one() {
     let mesh = engine_mesh(&icosphere(3));
     let mut rng = Rng::new(8);
     let points: Vec<[f64; 3]> = (0..500).map(|_| [0; 3].map(|_| rng.uniform(-2.0, 2.0))).collect();
@@ -54,7 +54,7 @@ fn many_points_are_as_single_ones() {
 }
 
 #[test]
-fn n1_n8_points_that_are_none_and_meshes_without_faces() {
+fn invalid_points_are_rejected_and_empty_meshes_have_no_closest_point() {
     let mesh = engine_mesh(&icosphere(1));
     let bad = mesh.closest_points(&[[0.0; 3], [0.0, f64::NAN, 0.0]]).expect_err("not a number");
     assert_eq!(*bad.kind(), InputErrorKind::NonFinite { what: "point", index: 1 });

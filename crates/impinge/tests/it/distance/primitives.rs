@@ -1,4 +1,5 @@
-//! The closed forms: within their stated error of the truth, for needles and points as for other triangles.
+//! Closed-form distances of primitives: within their stated error, for needles and points as for
+//! other triangles.
 
 use impinge::primitive::{
     ClosestPoints, closest_on_segment, closest_on_segments, closest_on_triangle, closest_on_triangles,
@@ -7,8 +8,10 @@ use impinge_testkit::generate::Rng;
 
 use crate::distance::oracle::{Point, point, rational, root_is_between, squared_distance};
 
-/// Corners of one kind: small integers, which tie; needles and slivers; any numbers; points and segments; nearly one line;
-/// far from the origin; very small.
+/// Returns corners of one kind.
+///
+/// The kinds are: small integers, which tie; needles and slivers; uniform numbers; points and
+/// segments; corners far from the origin; and very small corners.
 fn corners<const N: usize>(rng: &mut Rng, kind: u64) -> [[f64; 3]; N] {
     let spread = |rng: &mut Rng| std::array::from_fn(|_| rng.uniform(-1.0, 1.0));
     let base: [f64; 3] = spread(rng);
@@ -39,7 +42,8 @@ fn corners<const N: usize>(rng: &mut Rng, kind: u64) -> [[f64; 3]; N] {
     })
 }
 
-/// How much of the stated error was used; the witnesses are that far apart, and in their sets.
+/// Checks a result against rationals, and returns the used share of its stated error. The closest
+/// points must lie on their sets.
 fn check(found: &ClosestPoints, a: &[Point], b: &[Point], place: &str) -> f64 {
     let ClosestPoints { distance, error, point_a, point_b } = *found;
     assert!([distance, error].iter().chain(&point_a).chain(&point_b).all(|x| x.is_finite()), "{place}: {found:?}");
@@ -56,12 +60,12 @@ fn check(found: &ClosestPoints, a: &[Point], b: &[Point], place: &str) -> f64 {
 }
 
 #[test]
-fn n12_closed_forms_are_within_their_error() {
+fn closed_forms_are_within_their_error() {
     let mut rng = Rng::new(31);
     let (mut most, mut touching) = (0.0_f64, 0);
     for case in 0..400 {
         let kinds = [rng.next_u64(), if case % 3 == 0 { case } else { rng.next_u64() }];
-        // Sets of very different places have nothing to tell.
+        // Sets far apart from each other test nothing.
         let kinds = if kinds[0] % 6 > 3 { [kinds[0], kinds[0]] } else { kinds.map(|kind| kind % 4) };
         let p: [[f64; 3]; 1] = corners(&mut rng, kinds[0]);
         let segment: [[f64; 3]; 2] = corners(&mut rng, kinds[0]);
@@ -81,17 +85,18 @@ fn n12_closed_forms_are_within_their_error() {
         if there.distance > 0.0 {
             assert_eq!((there.point_a, there.point_b), (back.point_b, back.point_a), "{place}");
         }
-        let meet = squared_distance(&exact(&a), &exact(&b)) == rational(0.0);
-        assert_eq!(there.distance == 0.0, meet, "{place}: {there:?}");
-        touching += usize::from(meet);
+        let intersect = squared_distance(&exact(&a), &exact(&b)) == rational(0.0);
+        assert_eq!(there.distance == 0.0, intersect, "{place}: {there:?}");
+        touching += usize::from(intersect);
     }
-    assert!((20..200).contains(&touching), "{touching} of 400 triangles meet");
+    assert!((20..200).contains(&touching), "{touching} of 400 triangles intersect");
     assert!(most < 0.2, "{most} of the stated error was used");
 }
 
 #[test]
 fn nearly_parallel_segments_keep_their_digits() {
-    // Crossing in their middles at an angle where textbook formulas have no digits left.
+    // The segments cross in their middles at an angle at which textbook formulas have no digits
+    // left.
     let mut rng = Rng::new(32);
     for exponent in 1..60 {
         let tilt = 2.0_f64.powi(-exponent);

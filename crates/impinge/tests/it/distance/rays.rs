@@ -1,4 +1,4 @@
-//! Rays: exact where they graze, and no leak where they are aimed at edges and corners.
+//! Rays against meshes: exact when they graze, and without leaks at edges and corners.
 
 use impinge::mesh::{Ray, RayHit};
 use impinge::primitive::ray_triangle;
@@ -12,7 +12,7 @@ use crate::distance::oracle::{point, rational, ray};
 use crate::distance::ways::engine_mesh;
 
 #[test]
-fn n11_rays_meet_what_they_meet_in_rationals() {
+fn rays_hit_the_faces_that_they_hit_in_rationals() {
     let (mut met, mut grazing) = (0, 0);
     for seed in 0..60 {
         let mut rng = Rng::new(5000 + seed);
@@ -21,7 +21,8 @@ fn n11_rays_meet_what_they_meet_in_rationals() {
         let faces = images(&soup, &Affine::IDENTITY);
         let mesh = engine_mesh(&soup);
         for _ in 0..8 {
-            // Integer and half-integer rays through a grid of integers: through corners and along edges and planes.
+            // Integer and half-integer rays through a grid of integers pass through corners and
+            // along edges and planes.
             let origin = [0; 3].map(|_| rng.integer(-4, 12) as f64 * 0.5);
             let aim = soup.vertices[rng.integer(0, soup.vertices.len() as i64 - 1) as usize];
             let aside = if rng.one_in(2) { [0.0; 3] } else { [0; 3].map(|_| rng.integer(-2, 2) as f64) };
@@ -49,11 +50,11 @@ fn n11_rays_meet_what_they_meet_in_rationals() {
             grazing += usize::from(expected.windows(2).any(|pair| pair[0].0 == pair[1].0));
         }
     }
-    assert!((200..460).contains(&met) && grazing > 20, "{met} met, {grazing} met more than one face at once");
+    assert!((200..460).contains(&met) && grazing > 20, "{met} hit, {grazing} hit more than one face at once");
 }
 
-/// From anywhere inside of a closed mesh every ray leaves through it; aimed at corners and middles of edges it meets
-/// those.
+/// Checks that every ray from inside a closed mesh hits it, also if it is aimed at corners and at
+/// the middles of edges.
 fn assert_no_leak(mesh: &Mesh, seed: u64, rays: usize) {
     let mut rng = Rng::new(seed);
     for _ in 0..rays {
@@ -70,7 +71,7 @@ fn assert_no_leak(mesh: &Mesh, seed: u64, rays: usize) {
         let hit = mesh.ray_cast(&outward);
         assert!(hit.is_some_and(|hit: RayHit| hit.t > 0.0), "{outward:?} leaks");
         assert!(mesh.ray_cast_any(&outward));
-        // From outside it comes in as well.
+        // A ray from outside must enter and leave.
         let far = std::array::from_fn(|k| origin[k] + 1e6 * direction[k]);
         let inward = Ray::new(far, direction.map(|x| -x)).expect("a legal ray");
         assert!(mesh.ray_cast_all(&inward).len() >= 2, "{inward:?} leaks");
@@ -90,7 +91,7 @@ fn no_ray_of_ten_million_leaks() {
 }
 
 #[test]
-fn needles_are_met_edge_on_and_point_on() {
+fn degenerate_triangles_are_hit_edge_on_and_point_on() {
     let down = [0.0, 0.0, -1.0];
     let segment = [[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0]];
     assert_eq!(ray_triangle(&[0.5, 0.5, 2.0], &down, &segment).map(|hit| hit.t), Some(2.0));
@@ -104,7 +105,7 @@ fn needles_are_met_edge_on_and_point_on() {
 }
 
 #[test]
-fn n1_n8_rays_that_are_none_and_meshes_without_faces() {
+fn invalid_rays_are_rejected_and_empty_meshes_are_never_hit() {
     let kind = |origin, direction| Ray::new(origin, direction).expect_err("no ray").kind().clone();
     assert_eq!(kind([0.0; 3], [0.0; 3]), InputErrorKind::ZeroDirection { index: 0 });
     assert_eq!(kind([f64::NAN; 3], [1.0; 3]), InputErrorKind::NonFinite { what: "ray origin", index: 0 });
@@ -115,7 +116,7 @@ fn n1_n8_rays_that_are_none_and_meshes_without_faces() {
 }
 
 #[test]
-fn n3_rays_of_any_scale_are_met() {
+fn rays_of_any_scale_hit() {
     for scale in [1e-300, 1e-150, 1e-40, 1e-6, 1.0, 1e6, 1e37] {
         let mesh = engine_mesh(&icosphere(2).scaled(scale));
         for stretch in [1e-300, 1e-9, 1.0, 1e12, 1e80] {
@@ -132,7 +133,7 @@ fn n3_rays_of_any_scale_are_met() {
 }
 
 #[test]
-fn many_rays_are_as_single_ones() {
+fn many_rays_are_answered_as_one_by_one() {
     let mesh = engine_mesh(&icosphere(3));
     let mut rng = Rng::new(9);
     let rays: Vec<Ray> = (0..2000)

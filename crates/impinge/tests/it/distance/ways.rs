@@ -1,4 +1,4 @@
-//! The engine asked in every way, none of which may change an answer.
+//! Distance queries with every option of the engine, none of which may change an answer.
 
 use impinge::mesh::{HostChoice, Options};
 use impinge::query::{Cache, Distance, Query};
@@ -20,7 +20,8 @@ pub(crate) fn all_options() -> impl Iterator<Item = Options<'static>> {
         .flat_map(move |(_, level)| hosts.map(|host| Options { level, host, ..Options::default() }))
 }
 
-/// The distance, the same at every vector level, with either host, from cold, from a good and from a bad witness.
+/// Returns the distance, after checking that it is the same at every vector level, with either
+/// host, and with no cache, a good cache and a stale cache.
 pub(crate) fn distance_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine)) -> Distance {
     let (placed_a, placed_b) = (a.0.at(engine_pose(a.1)), b.0.at(engine_pose(b.1)));
     let mut stale = Cache::default();
@@ -28,7 +29,7 @@ pub(crate) fn distance_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine)) ->
     let _ = Query::new().with_cache(&mut stale).distance(a.0.at(elsewhere), b.0);
     let mut cache = Cache::default();
     let expected = Query::new().with_cache(&mut cache).distance(placed_a, placed_b);
-    assert_eq!(Query::new().with_cache(&mut stale).distance(placed_a, placed_b), expected, "from a stale witness");
+    assert_eq!(Query::new().with_cache(&mut stale).distance(placed_a, placed_b), expected, "with a stale cache");
     for options in all_options() {
         for mut cache in [Cache::default(), cache.clone()] {
             let found = Query::new().with_options(options).with_cache(&mut cache).distance(placed_a, placed_b);
@@ -38,7 +39,8 @@ pub(crate) fn distance_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine)) ->
     expected
 }
 
-/// Whether the clearance is kept, the same in every way.
+/// Reports whether the meshes are within the clearance, after checking that every option gives the
+/// same answer.
 pub(crate) fn within_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine), clearance: f64) -> bool {
     let (placed_a, placed_b) = (a.0.at(engine_pose(a.1)), b.0.at(engine_pose(b.1)));
     let mut cache = Cache::default();

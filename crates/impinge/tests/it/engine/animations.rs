@@ -1,4 +1,5 @@
-//! Recorded animations (with `IMPINGE_DATA`): refitted every frame, the mesh answers like one that is built for the frame.
+//! Recorded animations: a mesh refitted to each frame answers as a mesh built for that frame. Runs
+//! only if `IMPINGE_DATA` is set.
 
 use impinge::{Mesh, Pose, Positions, query};
 use impinge_testkit::animation::{ANIMATIONS, Animation};
@@ -11,7 +12,7 @@ fn every_frame_is_answered_like_a_new_mesh() {
         let Animation { frames, faces } = Animation::read(&folder, name).expect("a recording");
         let mut mesh = Mesh::new(Positions::F32(frames[0].clone()), faces.clone()).expect("a legal mesh");
         let still = mesh.clone();
-        // Half of its own width aside, so that it meets the first frame.
+        // Moved aside by a quarter of its width, so that it intersects the first frame.
         let xs = || frames[0].iter().map(|v| f64::from(v[0]));
         let width = xs().fold(f64::MIN, f64::max) - xs().fold(f64::MAX, f64::min);
         let aside = Pose::from_translation([0.25 * width, 0.0, 0.0]).expect("a legal pose");

@@ -1,4 +1,4 @@
-//! Many poses at once answer as each pose alone does.
+//! Batches: many poses in one call are answered as one by one.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -13,7 +13,8 @@ use impinge_testkit::rounds;
 
 use crate::engine::ways::engine_mesh;
 
-/// A mesh on the grid, its solid, and shapes, so that many poses touch.
+/// Returns a mesh on the grid, and shapes: the mesh, its solid and others. On a grid of poses, many
+/// of them touch.
 fn things() -> (Mesh, Vec<Shape>) {
     let mesh = engine_mesh(&cuboid([-1.0; 3], [1.0; 3]), Precision::F64);
     let shapes = vec![
@@ -30,7 +31,7 @@ fn grid_pose(rng: &mut Rng) -> Pose {
     Pose::from_translation([0; 3].map(|_| 0.5 * rng.integer(-5, 5) as f64)).unwrap()
 }
 
-/// Leading axes of two operands that broadcast: some axes are 1 or missing.
+/// Returns the leading axes of two operands that broadcast. Some axes are 1 or missing.
 fn leading_axes(rng: &mut Rng) -> [Vec<usize>; 2] {
     let full: Vec<usize> = (0..rng.integer(0, 3)).map(|_| rng.integer(1, 4) as usize).collect();
     [0, 1].map(|_| {
@@ -49,15 +50,17 @@ fn poses(rng: &mut Rng, shape: &[usize]) -> Poses {
     Poses::from_matrices(shape, &matrices).unwrap()
 }
 
-/// The element of an operand at a place of the answer, by the rule of NumPy's manual: axes from the last one on, those of length 1
-/// stretched.
+/// Returns the row of an operand that belongs to a place of the result.
+///
+/// This is the broadcasting rule of NumPy's manual: axes are aligned at the last one, and axes of
+/// length 1 are stretched.
 fn source(place: &[usize], shape: &[usize]) -> usize {
     let own = &place[place.len() - shape.len()..];
     own.iter().zip(shape).fold(0, |row, (&at, &extent)| row * extent + if extent == 1 { 0 } else { at })
 }
 
 #[test]
-fn rows_answer_as_single_questions_do() {
+fn rows_are_answered_as_one_by_one() {
     let mut rng = Rng::new(480);
     let (_, shapes) = things();
     let (mut hits, mut asked) = (0, 0);
@@ -106,7 +109,7 @@ fn faulty_poses_get_the_safe_answer_and_a_status() {
     let faults = [Status::Ok, Status::NonFinite, Status::OutOfRange, Status::NotAffine, Status::Singular, Status::Ok];
     assert_eq!((found.values, found.status), (vec![false, true, true, true, true, false], faults.to_vec()));
     assert_eq!(batch.poses()[1].first_fault().unwrap().0, 1);
-    // A ball does not stand a shear.
+    // A sphere does not permit a shear.
     let batch = Batch::new(&mesh, &shapes[3], Pose::IDENTITY, poses).unwrap();
     let found = batch.distance().unwrap();
     assert_eq!((found.status[5], found.values[5].distance()), (Status::NotRigid, 0.0));
@@ -117,7 +120,7 @@ fn faulty_poses_get_the_safe_answer_and_a_status() {
 }
 
 #[test]
-fn rows_report_progress_and_stop_when_they_are_asked_to() {
+fn batches_report_progress_and_stop_on_interrupt() {
     let (mesh, _) = things();
     let mut rng = Rng::new(481);
     let many: Vec<Pose> = (0..1000).map(|_| grid_pose(&mut rng)).collect();
@@ -134,13 +137,13 @@ fn rows_report_progress_and_stop_when_they_are_asked_to() {
         assert!(matches!(stopped, Err(Stopped::Interrupted)));
         assert!(done.swap(0, Ordering::Relaxed) < 1000);
     }
-    // Verbs of one's own learn from the row before as the others do.
+    // A verb of the caller's own gets the cache of the row before, as the built-in verbs do.
     let found = batch.each(false, |query, a: Placed<'_>, b: Placed<'_>| query.intersects(a, b)).unwrap();
     assert_eq!(found.values, batch.intersects().unwrap().values);
 }
 
 #[test]
-fn leading_axes_that_do_not_fit_are_refused() {
+fn leading_axes_that_do_not_broadcast_are_rejected() {
     for (a, b) in [(vec![3], vec![2]), (vec![2, 3], vec![3, 2]), (vec![usize::MAX, 2], vec![1])] {
         let error = Broadcast::new(&a, &b).unwrap_err();
         assert_eq!(error.shapes, [a, b]);

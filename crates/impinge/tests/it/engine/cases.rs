@@ -1,4 +1,4 @@
-//! The corpus of cases with known answers.
+//! The corpus of cases with known answers (`cases/*.toml`).
 
 use impinge_testkit::cases::{Expected, corpus};
 

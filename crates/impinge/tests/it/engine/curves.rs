@@ -1,4 +1,5 @@
-//! Intersection curves: closed where the meshes are, of known length, and the same however the meshes are stored.
+//! Intersection curves: closed if the meshes are closed, of known length, and independent of how
+//! the meshes are stored.
 
 use std::f64::consts::PI;
 
@@ -11,7 +12,7 @@ use impinge_testkit::{Affine, Mesh as Plain};
 use crate::engine::ways::{engine_mesh, engine_pose};
 
 #[test]
-fn closed_meshes_meet_in_closed_curves() {
+fn closed_meshes_intersect_in_closed_curves() {
     let knot = engine_mesh(&torus_knot(200, 50, TREFOIL), Precision::F64);
     let pose = impinge::Pose::from_axis_angle([1.0, 2.0, 3.0], 0.7, [0.3, 0.2, 0.1]).expect("a pose");
     let curves = query::intersection_curves(&knot, knot.at(pose));
@@ -22,7 +23,7 @@ fn closed_meshes_meet_in_closed_curves() {
 }
 
 #[test]
-fn two_unit_spheres_meet_in_a_circle() {
+fn two_unit_spheres_intersect_in_a_circle() {
     let sphere = engine_mesh(&icosphere(5), Precision::F64);
     let apart = engine_pose(&Affine::translation([1.0, 0.013, 0.007]));
     let curves = query::intersection_curves(&sphere, sphere.at(apart));
@@ -48,7 +49,7 @@ fn repeated_vertices_link_up_like_shared_ones() {
 
 #[test]
 fn boxes_that_share_corners_and_edges_still_link_up() {
-    // A cube that stands out of a larger one, its floor in the larger one's top plane: the outline of its floor.
+    // A cube stands on the top plane of a larger box. The curve is the outline of its bottom side.
     let (table, cup) = (cuboid([0.0; 3], [4.0, 4.0, 1.0]), cuboid([1.0, 1.0, 1.0], [2.0, 2.0, 2.0]));
     let (table, cup) = (engine_mesh(&table, Precision::F64), engine_mesh(&cup, Precision::F64));
     let curves = query::intersection_curves(&table, &cup);
@@ -57,7 +58,7 @@ fn boxes_that_share_corners_and_edges_still_link_up() {
 }
 
 #[test]
-fn a_corner_on_a_face_is_a_point_and_no_curve() {
+fn a_corner_on_a_face_gives_a_point_and_no_curve() {
     let mesh = |corners: [[f64; 3]; 3]| Mesh::new(Positions::F64(corners.to_vec()), vec![[0, 1, 2]]).expect("a mesh");
     let floor = mesh([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]);
     let standing = mesh([[1.0, 1.0, 0.0], [1.0, 1.0, 2.0], [2.0, 1.0, 2.0]]);
@@ -66,8 +67,10 @@ fn a_corner_on_a_face_is_a_point_and_no_curve() {
     assert!(curves.polylines.is_empty());
 }
 
-/// Cuts one face of many edges in two, and closes the gap beside the other face by a face without
-/// area. The vertices have to be on a grid, so that the middle of each edge is exact.
+/// Splits a face at the middle of an edge, for many edges, and fills the gap to the face on the
+/// other side with a face without area.
+///
+/// The vertices must lie on a grid, so that the middles are exact.
 fn with_flat_faces(mesh: &Plain) -> Plain {
     let Plain { mut vertices, mut faces } = mesh.clone();
     let mut is_used = vec![false; faces.len()];
@@ -90,7 +93,7 @@ fn with_flat_faces(mesh: &Plain) -> Plain {
 }
 
 #[test]
-fn curves_pass_faces_without_area() {
+fn curves_continue_across_faces_without_area() {
     let mut sphere = icosphere(3);
     sphere.vertices.iter_mut().flatten().for_each(|x| *x = (*x * 1024.0).round() / 1024.0);
     let cut = with_flat_faces(&sphere);
@@ -103,7 +106,7 @@ fn curves_pass_faces_without_area() {
         let offset = [0; 3].map(|_| rng.uniform(-0.6, 0.6));
         let mut pose = engine_pose(&Affine::translation(offset));
         if round % 2 == 0 {
-            // Middles and corners of edges lie on faces and on each other.
+            // Middles and ends of edges lie on faces and on each other.
             pose = engine_pose(&Affine::translation(offset.map(|x| (x * 8.0).round() / 8.0 + 1.0 / 2048.0)));
         }
         let expected = query::intersection_curves(&sphere, sphere.at(pose));
@@ -120,7 +123,7 @@ fn curves_pass_faces_without_area() {
 }
 
 #[test]
-fn a_curve_passes_the_middle_of_a_sheet_with_a_flat_face() {
+fn a_curve_crosses_a_face_without_area_inside_a_sheet() {
     let mesh =
         |vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>| Mesh::new(Positions::F64(vertices), faces).expect("legal");
     let wall = mesh(vec![[-99.0, 5.0, -99.0], [99.0, 5.0, -99.0], [0.0, 5.0, 99.0]], vec![[0, 1, 2]]);

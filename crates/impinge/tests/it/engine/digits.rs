@@ -1,4 +1,5 @@
-//! Positions in double precision whose detail single precision cannot hold: packets blur it, answers do not.
+//! Positions in double precision whose detail single precision cannot hold. Packets round it, but
+//! answers stay exact.
 
 use impinge_testkit::cases::Precision;
 use impinge_testkit::generate::Rng;
@@ -8,7 +9,7 @@ use impinge_testkit::{Affine, Mesh, oracle};
 
 use crate::engine::ways::posed_pairs_in_every_way;
 
-/// The mesh with every coordinate times `unit` and then moved by `aside`, where that rounds nothing.
+/// Returns the mesh with every coordinate times `unit`, plus `aside`. Panics if that rounds.
 fn moved(mesh: &Mesh, unit: f64, aside: f64) -> Mesh {
     let mut moved = mesh.clone();
     for x in moved.vertices.as_flattened_mut() {
@@ -24,7 +25,8 @@ fn same_in_single_precision(mesh: &Mesh) -> bool {
     corners.iter().all(|corner| *corner == corners[0])
 }
 
-/// Soups on a grid of this unit, `aside` from the origin: as at the origin, and turned as the oracle says.
+/// Checks soups on a grid of spacing `unit`, moved by `aside` from the origin: unturned against the
+/// answer at the origin, and turned against the oracle.
 fn details_decide(unit: f64, aside: f64) {
     let (mut met, mut turned_met) = (0, 0);
     for seed in 0..30 {
@@ -37,21 +39,22 @@ fn details_decide(unit: f64, aside: f64) {
         assert_eq!(posed_pairs_in_every_way(posed.0, posed.1, Precision::F64), expected, "seed {seed}");
         met += usize::from(!expected.is_empty());
 
-        // Turned alike about the origin, where images are no numbers that a float could hold.
+        // Both are turned about the origin by one rotation. Their images have coordinates that no
+        // float holds.
         let turn = rotation(&mut rng);
         let turned = posed_pairs_in_every_way(a.at(turn), b.at(turn), Precision::F64);
         assert_eq!(turned, oracle::brute_force(a.at(turn), b.at(turn)), "seed {seed}, turned");
         turned_met += usize::from(!turned.is_empty());
     }
-    assert!(met >= 20 && turned_met >= 20, "{met} and {turned_met} of 30 soups meet");
+    assert!(met >= 20 && turned_met >= 20, "{met} and {turned_met} of 30 soups intersect");
 }
 
 #[test]
-fn n5_tenths_of_a_millimetre_ten_thousand_kilometres_away() {
+fn tenths_of_a_millimeter_decide_10000_km_from_the_origin() {
     details_decide(1.0 / 8192.0, 1e7);
 }
 
 #[test]
-fn n6_detail_of_a_billionth_of_the_place() {
+fn detail_below_single_precision_decides() {
     details_decide(1.0 / (1_u64 << 38) as f64, 1.0);
 }

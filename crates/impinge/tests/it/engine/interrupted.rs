@@ -1,4 +1,5 @@
-//! Queries that are interrupted: they end soon, with the safe answer, and leave nothing behind that changes a later one.
+//! Interrupted queries: they return soon, with the safe answer, and their caches change no later
+//! answer.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -13,8 +14,8 @@ fn knot(radius: f64) -> Mesh {
 }
 
 #[test]
-fn every_verb_gives_the_safe_answer_at_once() {
-    // One lies in the other, near to it everywhere.
+fn interrupted_queries_return_the_safe_answer_at_once() {
+    // The thin knot lies inside the other, close to it everywhere.
     let (mesh, thin) = (knot(TREFOIL.radius), knot(0.9 * TREFOIL.radius));
     let other = thin.at(Pose::IDENTITY);
     assert!(!query::intersects(&mesh, other), "the surfaces are apart");
@@ -23,8 +24,8 @@ fn every_verb_gives_the_safe_answer_at_once() {
     let pairs = query::intersecting_pairs(&mesh, touching);
     for patience in [0, 1, 3] {
         let asked = AtomicUsize::new(0);
-        let is_wanted = || asked.fetch_add(1, Ordering::Relaxed) >= patience;
-        let options = Options { interrupt: Interrupt::when(&is_wanted), ..Options::default() };
+        let must_stop = || asked.fetch_add(1, Ordering::Relaxed) >= patience;
+        let options = Options { interrupt: Interrupt::when(&must_stop), ..Options::default() };
         let ended_soon = || (1..patience + 300).contains(&asked.swap(0, Ordering::Relaxed));
         let (mut hits, mut witnesses) = (Cache::default(), Cache::default());
 
@@ -48,9 +49,9 @@ fn every_verb_gives_the_safe_answer_at_once() {
     }
 }
 
-/// One that is never wanted changes nothing.
+/// Checks that an interrupt that always returns `false` changes no answer.
 #[test]
-fn an_interrupt_that_is_never_wanted_changes_nothing() {
+fn an_interrupt_that_never_stops_changes_no_answer() {
     let (mesh, thin) = (knot(TREFOIL.radius), knot(0.9 * TREFOIL.radius));
     let asked = AtomicUsize::new(0);
     let never = || {

@@ -1,4 +1,5 @@
-//! Laws: what may be done to a question without changing its answer, and oracles that share nothing with the engine.
+//! Invariants: changes of a query that must not change its answer. Oracles that share no code with
+//! the engine check the answers.
 
 use impinge_testkit::cases::Precision;
 use impinge_testkit::generate::Rng;
@@ -9,7 +10,8 @@ use impinge_testkit::{Affine, Mesh, oracle};
 
 use crate::engine::ways::{engine_mesh, pairs_in_every_way, posed_pairs_in_every_way};
 
-/// Small meshes full of ties: integer corners, shared vertices, zero areas, duplicates.
+/// Returns two small meshes full of ties: integer corners, shared vertices, zero areas and
+/// duplicates.
 fn soups(seed: u64) -> (Mesh, Mesh, Rng) {
     let mut rng = Rng::new(seed);
     let (side, reach) = (rng.integer(2, 12), rng.integer(1, 3));
@@ -40,10 +42,11 @@ fn soups_have_the_pairs_of_brute_force() {
         let precision = if seed % 2 == 0 { Precision::F32 } else { Precision::F64 };
         assert_eq!(posed_pairs_in_every_way(a.at(pose_a), b.at(pose_b), precision), expected, "seed {seed}");
     }
-    assert!((18..=58).contains(&met), "{met} of 60 soups meet");
+    assert!((18..=58).contains(&met), "{met} of 60 soups intersect");
 }
 
-/// Long triangles through and past the cube from 0 to `side`, integer corners all: some hit grid points exactly.
+/// Returns long triangles with integer corners through and past the cube from 0 to `side`. Some hit
+/// grid points exactly.
 fn long_triangles(rng: &mut Rng, count: usize, side: i64) -> Mesh {
     let mut mesh = Mesh::default();
     for _ in 0..count {
@@ -62,7 +65,7 @@ fn long_triangles(rng: &mut Rng, count: usize, side: i64) -> Mesh {
 }
 
 #[test]
-fn triangles_much_larger_than_what_they_meet() {
+fn much_larger_triangles_have_the_pairs_of_brute_force() {
     let (mut met, mut large_met) = (0, 0);
     for seed in 1000..1040 {
         let mut rng = Rng::new(seed);
@@ -71,7 +74,7 @@ fn triangles_much_larger_than_what_they_meet() {
         let (a, b, large_from) = match seed % 3 {
             0 => (many, small(&mut rng), 0),
             1 => (small(&mut rng), many, 0),
-            // Large and small triangles in one tree, on either side.
+            // Large and small triangles are in one tree, on either side.
             _ => (small(&mut rng).joined(&few), small(&mut rng).joined(&few), 250),
         };
         let (pose_a, pose_b) = match seed % 4 {
@@ -86,7 +89,7 @@ fn triangles_much_larger_than_what_they_meet() {
         let precision = if seed % 2 == 0 { Precision::F32 } else { Precision::F64 };
         assert_eq!(posed_pairs_in_every_way(a.at(pose_a), b.at(pose_b), precision), expected, "seed {seed}");
     }
-    assert!(met >= 20 && large_met > 1000, "{met} of 40 meet, large triangles {large_met} times");
+    assert!(met >= 20 && large_met > 1000, "{met} of 40 intersect, large triangles {large_met} times");
 }
 
 #[test]
@@ -146,7 +149,8 @@ fn moving_both_by_one_integer_map_changes_no_pair() {
         let (a, b, mut rng) = soups(seed);
         let expected = oracle::brute_force(a.at(Affine::IDENTITY), b.at(step(1, 0, 0)));
         let map = large_integer_map(&mut rng);
-        // The map after the step: the step's image is added to the translation, exactly, for these are integers.
+        // The map is applied after the step: the image of the step is added to the translation.
+        // Integers make this exact.
         let mut after_step = map;
         for row in 0..3 {
             after_step.translation[row] += map.linear[row][0];
@@ -177,7 +181,8 @@ fn large_meshes_have_the_pairs_of_the_grid() {
     let knot = torus_knot(200, 50, TREFOIL);
     let slivers = stadium(100, 25, 60);
     let (rod, strips) = (rod(500), strips(100));
-    // By the angle of a triangle of sides 3, 4 and 5, and up until they touch: everywhere at once.
+    // The rotation has the angle of a triangle with sides 3, 4 and 5. The step up makes the strips
+    // touch everywhere at once.
     let crossed = Affine { linear: [[3.0, -4.0, 0.0], [4.0, 3.0, 0.0], [0.0, 0.0, 5.0]], translation: [0.0, 0.0, 1.0] };
     let sphere = bumpy_sphere(40);
     let plane = plane_grid(40, 40);
@@ -185,7 +190,7 @@ fn large_meshes_have_the_pairs_of_the_grid() {
         ("knots, deep", &knot, &knot, deep),
         ("knots, shallow", &knot, &knot, rotated([1.0, 2.0, 3.0], 0.7, [4.5, 0.5, 0.3])),
         ("slivers", &slivers, &slivers, Affine::translation([0.0006, 0.0004, 0.0005])),
-        ("long ones askew", &rod, &rod, rotated([1.0, 2.0, 3.0], 0.7, [0.3, 0.2, 0.1])),
+        ("long ones, rotated", &rod, &rod, rotated([1.0, 2.0, 3.0], 0.7, [0.3, 0.2, 0.1])),
         ("long ones that touch", &strips, &strips, crossed),
         ("near-coincident", &sphere, &sphere, rotated([1.0, 2.0, 3.0], 0.01, [0.0; 3])),
         ("one plane", &plane, &plane, step(1, 0, 0)),
@@ -200,7 +205,7 @@ fn large_meshes_have_the_pairs_of_the_grid() {
 }
 
 #[test]
-fn a_mesh_meets_itself_in_every_face_and_its_neighbours() {
+fn a_mesh_intersects_itself_in_every_face_and_its_neighbors() {
     let sphere = icosphere(3);
     let expected = oracle::grid(sphere.at(Affine::IDENTITY), sphere.at(Affine::IDENTITY));
     assert!(expected.len() > 12 * sphere.faces.len());
@@ -230,8 +235,9 @@ fn extreme_maps_change_no_pair() {
 }
 
 #[test]
-fn triangles_of_any_relative_size_meet() {
-    // The large triangle's plane, x - y + z = 0, separates two corners of the tetrahedron from the other two.
+fn triangles_of_any_relative_size_intersect() {
+    // The plane of the large triangle, x - y + z = 0, separates two corners of the tetrahedron from
+    // the other two.
     let small = Mesh {
         vertices: vec![[-1.0, -1.0, -1.0], [2.0, -1.0, -1.0], [-1.0, 2.0, -1.0], [-1.0, -1.0, 2.0]],
         faces: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
@@ -250,8 +256,8 @@ fn triangles_of_any_relative_size_meet() {
 }
 
 #[test]
-fn n20_maps_beyond_the_range_of_floats_are_decided() {
-    // What maps one mesh to the other has entries of 2^1030, of which floats know nothing.
+fn maps_beyond_the_range_of_floats_are_decided() {
+    // The map from one mesh to the other has entries of 2^1030, beyond the range of floats.
     let flat = Mesh { vertices: vec![[-1.0, -1.0, 0.5], [1.0, -1.0, 0.5], [0.0, 1.0, 0.5]], faces: vec![[0, 1, 2]] };
     let upright = Mesh { vertices: vec![[0.0, -1.0, -1.0], [0.0, 1.0, -1.0], [0.0, 0.0, 1.0]], faces: vec![[0, 1, 2]] };
     let scaled = |exponent: i32, z: f64| {
@@ -267,7 +273,8 @@ fn n20_maps_beyond_the_range_of_floats_are_decided() {
     }
 }
 
-/// A rotation about an axis by the testkit's own sine and cosine, then a translation.
+/// Returns a rotation about an axis by the testkit's own sine and cosine, followed by a
+/// translation.
 fn rotated(axis: [f64; 3], angle: f64, translation: [f64; 3]) -> Affine {
     use impinge_testkit::generate::{cos, sin};
     let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -292,7 +299,7 @@ fn the_headline_knots_have_the_pairs_of_the_grid() {
         let found = posed_pairs_in_every_way(knot.at(Affine::IDENTITY), knot.at(pose), Precision::F64);
         assert_eq!(found, expected);
         println!("offset {offset:?}: {} pairs, those of the oracle", found.len());
-        // The same question with the second mesh's vertices moved and rounded beforehand.
+        // The same query with the vertices of the second mesh moved and rounded beforehand.
         let baked = Mesh {
             vertices: knot.vertices.iter().map(|&v| pose.apply_rounded(v)).collect(),
             faces: knot.faces.clone(),

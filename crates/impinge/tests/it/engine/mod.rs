@@ -1,15 +1,17 @@
-//! The whole engine against known answers, independent oracles and laws: every vector unit that this processor has,
-//! either mesh as the host, one thread and two.
+//! The whole engine against known answers, independent oracles and invariants.
+//!
+//! Queries run at every vector level of this processor, with either mesh as the host, on one thread
+//! and on two.
 
 mod animations;
 mod cases;
 mod curves;
 mod digits;
 mod interrupted;
-mod judged;
 mod laws;
 mod moving;
 mod parts;
 mod real;
 mod triangle_pairs;
+mod validation;
 mod ways;

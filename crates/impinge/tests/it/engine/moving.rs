@@ -1,4 +1,4 @@
-//! Meshes that move: refitted and rebuilt in part or whole, they answer as if they were new.
+//! Meshes that move: after a refit, or a full or partial rebuild, they answer as if they were new.
 
 use impinge::hierarchy::Builder;
 use impinge::mesh::{Aging, Ray};
@@ -14,7 +14,7 @@ use impinge_testkit::{Affine, oracle};
 
 use crate::engine::ways::{engine_mesh, engine_pose, on_threads, pairs_in_every_way};
 
-/// The arrays of the hierarchy, to the bit.
+/// Returns the bytes of the arrays of the hierarchy.
 fn bits(mesh: &Mesh) -> [Vec<u8>; 3] {
     let parts = mesh.parts();
     [parts.frame.to_vec(), parts.nodes.to_vec(), parts.leaves.to_vec()]
@@ -24,20 +24,21 @@ fn singles(vertices: &[[f64; 3]]) -> Positions {
     Positions::F32(vertices.iter().map(|v| v.map(|x| x as f32)).collect())
 }
 
-/// Moves the vertices in one of many ways, most of which keep them on a grid, so that touching is common.
+/// Returns the vertices moved in one of [`WAYS`] ways. Most ways keep them on a grid, so that
+/// touching is common.
 fn deformed(rng: &mut Rng, way: u64, vertices: &[[f64; 3]]) -> Positions {
     let power = |exponent: i32| 2.0_f64.powi(exponent);
     let moved = |f: &mut dyn FnMut(&[f64; 3]) -> [f64; 3]| vertices.iter().map(f).collect::<Vec<_>>();
     match way {
-        // Every corner a step to somewhere.
+        // Each coordinate moves by at most one step.
         0 => singles(&moved(&mut |v| v.map(|x| x + rng.integer(-1, 1) as f64))),
-        // Folded in two.
+        // Folded in half.
         1 => singles(&moved(&mut |v| [v[0].min(6.0 - v[0]), v[1], v[2]])),
         // Flattened to a plane, a line, a point.
         2 => singles(&moved(&mut |v| [v[0], v[1], 3.0])),
         3 => singles(&moved(&mut |v| [v[0], 2.0, 3.0])),
         4 => singles(&moved(&mut |_| [3.0, 2.0, 3.0])),
-        // Mirrored and mixed up, so that no neighbour stays one.
+        // Shuffled, so that no neighbors stay neighbors.
         5 => {
             let mut mixed = vertices.to_vec();
             for at in (1..mixed.len()).rev() {
@@ -45,7 +46,7 @@ fn deformed(rng: &mut Rng, way: u64, vertices: &[[f64; 3]]) -> Positions {
             }
             singles(&mixed)
         }
-        // A size that has little to do with the old one, and doubles where there were singles.
+        // A very different size, and double precision instead of single precision.
         6 => singles(&moved(&mut |v| v.map(|x| x * power(-40)))),
         7 => Positions::F64(moved(&mut |v| v.map(|x| x * power(100) + power(60)))),
         _ => Positions::F64(moved(&mut |v| v.map(|x| x + x * x * power(-45)))),
@@ -55,7 +56,7 @@ fn deformed(rng: &mut Rng, way: u64, vertices: &[[f64; 3]]) -> Positions {
 const WAYS: u64 = 9;
 
 #[test]
-fn a_refit_to_where_it_was_changes_no_bit() {
+fn a_refit_to_the_same_positions_changes_no_bit() {
     let knot = torus_knot(150, 40, TREFOIL);
     let soup = grid_soup(&mut Rng::new(17), 3_000, 12, 2);
     for (name, mesh) in [("knot", &knot), ("soup", &soup)] {
@@ -75,9 +76,10 @@ fn a_refit_to_where_it_was_changes_no_bit() {
     }
 }
 
-/// Packets are made for a question and forgotten by a refit: were they kept, the second answer would be of where the mesh was.
+/// Checks that a refit discards the packets that queries cached. Stale packets would answer for the
+/// old positions.
 #[test]
-fn a_refit_forgets_what_questions_kept() {
+fn a_refit_discards_cached_packets() {
     let knot = torus_knot(150, 40, TREFOIL);
     let moved: Vec<[f64; 3]> = knot.vertices.iter().map(|v| v.map(|x| 1.5 * x)).collect();
     let places = [&knot.vertices, &moved];
@@ -86,7 +88,7 @@ fn a_refit_forgets_what_questions_kept() {
         let mut mesh = Mesh::new(before, knot.faces.clone()).expect("a legal mesh");
         let new = mesh.memory();
         let pairs = query::intersecting_pairs(&mesh, &still);
-        assert!(mesh.memory() > new + 1_000, "{} bytes are kept", mesh.memory() - new);
+        assert!(mesh.memory() > new + 1_000, "{} bytes are cached", mesh.memory() - new);
         let asked = mesh.clone();
         mesh.refit(after.clone()).expect("as many vertices");
         assert_eq!(mesh.memory(), new);
@@ -111,7 +113,10 @@ fn refitted_meshes_have_the_pairs_of_new_ones_and_of_brute_force() {
             let refitted = [1, 2].map(|threads| {
                 on_threads(threads, || still.refitted(positions.clone()).expect("as many vertices as before"))
             });
-            assert!(bits(&refitted[0]) == bits(&refitted[1]), "seed {seed}, way {way}: threads show");
+            assert!(
+                bits(&refitted[0]) == bits(&refitted[1]),
+                "seed {seed}, way {way}: the number of threads changes bits"
+            );
             let place = (&Affine::IDENTITY, Affine::translation([1.0, 0.0, 0.0]));
             let expected = pairs_in_every_way((&fresh, place.0), (&still, &place.1));
             let found = pairs_in_every_way((&refitted[0], place.0), (&still, &place.1));
@@ -127,11 +132,11 @@ fn refitted_meshes_have_the_pairs_of_new_ones_and_of_brute_force() {
             asked += 1;
         }
     }
-    assert!(met * 10 >= asked * 5 && met < asked, "{met} of {asked} soups meet");
+    assert!(met * 10 >= asked * 5 && met < asked, "{met} of {asked} soups intersect");
 }
 
 #[test]
-fn every_question_is_about_the_vertices_as_they_are() {
+fn every_query_uses_the_vertices_of_the_last_refit() {
     let sphere = cube_sphere(8);
     let grown: Vec<[f64; 3]> = sphere.vertices.iter().map(|v| [3.0 * v[0], v[1], 0.5 * v[2]]).collect();
     let mut moving = Mesh::new(Positions::F64(sphere.vertices.clone()), sphere.faces.clone()).expect("a legal mesh");
@@ -145,12 +150,12 @@ fn every_question_is_about_the_vertices_as_they_are() {
             mesh.closest_point(point).expect("a point"),
             mesh.winding_number(&[point]).map(|winding| format!("{winding:?}")).expect("a point"),
             mesh.ray_cast(&ray),
-            // Which of the faces that meet bear witness is the hierarchy's choice.
+            // The witness among the intersecting faces may depend on the hierarchy.
             (query::distance(mesh, &other).lower, query::distance(mesh, &other).upper),
             (mesh.health(), mesh.is_closed()),
         )
     };
-    // What is made when it is first asked for has been made.
+    // This fills everything that is built on first use.
     let before = ask(&moving);
     moving.refit(Positions::F64(grown.clone())).expect("as many vertices as before");
     let fresh = Mesh::new(Positions::F64(grown.clone()), sphere.faces.clone()).expect("a legal mesh");
@@ -160,7 +165,7 @@ fn every_question_is_about_the_vertices_as_they_are() {
 }
 
 #[test]
-fn n33_a_refit_that_fails_leaves_the_mesh_as_it_was() {
+fn a_refit_that_fails_leaves_the_mesh_unchanged() {
     let soup = grid_soup(&mut Rng::new(33), 400, 9, 2);
     let mut mesh = Mesh::new(singles(&soup.vertices), soup.faces.clone()).expect("a legal mesh");
     let (before, count) = (bits(&mesh), soup.vertices.len());
@@ -185,7 +190,7 @@ fn n33_a_refit_that_fails_leaves_the_mesh_as_it_was() {
 }
 
 #[test]
-fn n32_clones_answer_on_their_snapshot_while_the_mesh_moves() {
+fn clones_answer_on_their_snapshot_while_the_mesh_moves() {
     let knot = torus_knot(120, 30, TREFOIL);
     let mut mesh = Mesh::new(Positions::F64(knot.vertices.clone()), knot.faces.clone()).expect("a legal mesh");
     let frame =
@@ -203,7 +208,7 @@ fn n32_clones_answer_on_their_snapshot_while_the_mesh_moves() {
     });
 }
 
-/// The faces of a knot, each with corners of its own.
+/// Returns the faces of a knot, each with its own corners.
 fn loose_knot() -> impinge_testkit::Mesh {
     let knot = torus_knot(200, 50, TREFOIL);
     let vertices: Vec<[f64; 3]> = knot.faces.iter().flatten().map(|&v| knot.vertices[v as usize]).collect();
@@ -211,8 +216,9 @@ fn loose_knot() -> impinge_testkit::Mesh {
     impinge_testkit::Mesh { vertices, faces }
 }
 
-/// The first twelfth of the faces mixed up, so that none stays beside its neighbours.
-fn mixed_in_part(mesh: &impinge_testkit::Mesh) -> Vec<[f64; 3]> {
+/// Returns the vertices after shuffling the first twelfth of the faces, so that none stays beside
+/// its neighbors.
+fn shuffled_in_part(mesh: &impinge_testkit::Mesh) -> Vec<[f64; 3]> {
     let mut rng = Rng::new(7);
     let mut vertices = mesh.vertices.clone();
     for face in (1..mesh.faces.len() / 12).rev() {
@@ -225,15 +231,16 @@ fn mixed_in_part(mesh: &impinge_testkit::Mesh) -> Vec<[f64; 3]> {
 }
 
 #[test]
-fn a_tree_that_has_aged_knows_it_and_grows_young() {
+fn an_aged_tree_is_detected_and_repaired() {
     let knot = loose_knot();
-    // Whose upper nodes part the knot so that what is mixed up is below some of them alone.
+    // The upper nodes of this builder separate the knot, so that only some of them contain shuffled
+    // faces.
     let build = |vertices: &[[f64; 3]]| {
         let positions = Positions::F64(vertices.to_vec());
         Mesh::with_builder(positions, knot.faces.clone(), Builder::SweepSah).expect("a legal mesh")
     };
     let built = build(&knot.vertices);
-    // A motion as a whole, a mirror and another size age nothing, or hardly.
+    // A rigid motion, a mirror or another size does not age the tree, or hardly.
     for (scale, most) in [([1.0, 1.0, 1.0], 1.001), ([-4.0, 4.0, 4.0], 1.001), ([1.1, 1.0, 0.9], 1.1)] {
         let moved = knot.vertices.iter().map(|v| std::array::from_fn(|k| scale[k] * v[k] + 2.0)).collect();
         let mut mesh = built.clone();
@@ -244,7 +251,7 @@ fn a_tree_that_has_aged_knows_it_and_grows_young() {
         assert!(bits(&mesh) == before);
     }
     let mut mesh = built.clone();
-    let vertices = mixed_in_part(&knot);
+    let vertices = shuffled_in_part(&knot);
     let aging = mesh.refit(Positions::F64(vertices.clone())).expect("legal");
     assert!(aging.is_worth_rebuilding() && mesh.aging() == aging, "{aging:?}");
 
@@ -257,8 +264,8 @@ fn a_tree_that_has_aged_knows_it_and_grows_young() {
         (mesh.rebuild_aged(), bits(&mesh))
     });
     let rebuilt = on_threads(1, || partly.rebuild_aged());
-    assert!(on_two == (rebuilt, bits(&partly)), "threads show");
-    // What was mixed up, and what lay among it.
+    assert!(on_two == (rebuilt, bits(&partly)), "the number of threads changes bits");
+    // The shuffled faces, and the faces between them.
     assert!((knot.faces.len() / 12..knot.faces.len()).contains(&rebuilt), "{rebuilt}, {aging:?}");
     wholly.rebuild(Builder::SweepSah);
     assert!(bits(&wholly) == bits(&fresh));
@@ -268,12 +275,12 @@ fn a_tree_that_has_aged_knows_it_and_grows_young() {
         assert_eq!((young.aging().ratio(), young.rebuild_aged()), (1.0, 0), "{name}: {:?}", young.aging());
         assert_eq!(query::intersecting_pairs(&*young, &built), expected, "{name}");
     }
-    // The old one is still there, and knows how old it is.
+    // The old mesh is unchanged, and still reports its age.
     assert_eq!((mesh.aging(), query::intersecting_pairs(&mesh, &built)), (aging, expected));
 }
 
 #[test]
-fn parts_that_are_rebuilt_answer_like_new_ones_whatever_moved() {
+fn partly_rebuilt_trees_answer_like_new_ones() {
     let mut rebuilt_in_part = 0;
     for seed in 0..40 {
         let mut rng = Rng::new(500 + seed);
@@ -281,7 +288,7 @@ fn parts_that_are_rebuilt_answer_like_new_ones_whatever_moved() {
         let mut mesh = Mesh::new(singles(&soup.vertices), soup.faces.clone()).expect("a legal mesh");
         let still = mesh.clone();
         for _ in 0..3 {
-            // Those on one side far away: mirrored, or where others were.
+            // Vertices on one side move far away: each is mirrored, or moves among other vertices.
             let side = rng.integer(2, 11) as f64;
             let mut away = |v: &[f64; 3]| if rng.one_in(2) { [v[2], 12.0 - v[0], v[1]] } else { *v };
             let moved: Vec<[f64; 3]> = soup.vertices.iter().map(|v| if v[0] < side { away(v) } else { *v }).collect();
@@ -298,20 +305,20 @@ fn parts_that_are_rebuilt_answer_like_new_ones_whatever_moved() {
 }
 
 #[test]
-fn faces_that_met_last_change_no_answer() {
+fn cached_hits_change_no_answer() {
     let knot = torus_knot(60, 12, TREFOIL);
     let ball = cube_sphere(6);
     let meshes = [&knot, &ball].map(|mesh| engine_mesh(mesh, Precision::F64));
     let mut rng = Rng::new(2211);
     let (mut met, mut apart) = (0, 0);
-    // One cache for all: faces of one mesh are tried on another, which may not have them.
+    // One cache serves all meshes. Faces of one mesh are tried on another, which may not have them.
     let mut cache = Cache::default();
     for _ in 0..40 {
         let [a, b] = [0; 2].map(|_| &meshes[rng.integer(0, 1) as usize]);
         let turn = rotation(&mut rng);
         let from = [0; 3].map(|_| rng.uniform(-4.0, 4.0));
         for step in 0..30 {
-            // Along a line, and now and then far from it.
+            // Along a line, and sometimes far from it.
             let stray = if rng.one_in(8) { 3.0 } else { 0.02 * f64::from(step) };
             let pose = engine_pose(&Affine::new(turn.linear, from.map(|x| x - x.signum() * stray)));
             let truth = query::intersects(a, b.at(pose));
@@ -319,17 +326,18 @@ fn faces_that_met_last_change_no_answer() {
             *(if truth { &mut met } else { &mut apart }) += 1;
         }
     }
-    assert!(met > 200 && apart > 200, "{met} met, {apart} apart");
+    assert!(met > 200 && apart > 200, "{met} intersect, {apart} apart");
 }
 
-/// The caps of holes and the sheets of faces, which decide what penetrates an open mesh, follow the
-/// vertices too.
+/// Checks that the caps of holes and the sheets of faces follow the vertices of a refitted mesh.
+/// They decide whether something penetrates an open mesh.
 #[test]
 fn an_open_mesh_penetrates_by_its_moved_vertices() {
     let sphere = cube_sphere(8);
     // Without some neighboring faces the sphere has a hole around its first vertex.
     let faces: Vec<[u32; 3]> = sphere.faces.iter().copied().filter(|face| !face.contains(&0)).collect();
-    let made = |vertices: &[[f64; 3]]| Mesh::new(Positions::F64(vertices.to_vec()), faces.clone()).expect("a legal mesh");
+    let made =
+        |vertices: &[[f64; 3]]| Mesh::new(Positions::F64(vertices.to_vec()), faces.clone()).expect("a legal mesh");
     let hole = sphere.vertices[0];
     let mut rng = Rng::new(47);
     let (mut changed, mut decided) = (0, 0);

@@ -1,4 +1,4 @@
-//! Meshes over borrowed arrays: the same answers, and no flaw that `validate` does not see.
+//! Meshes over borrowed arrays: they give the same answers, and `validate` detects every flaw.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
 use impinge_testkit::generate::solids::grid_soup;
 
-/// The arrays of a mesh one after the other, and where they are.
+/// Arrays of a mesh in one buffer, and the range of each.
 #[derive(Clone)]
 struct Stored {
     bytes: Vec<u8>,
@@ -51,7 +51,7 @@ impl Stored {
     }
 }
 
-/// A part, and how to make it one that does not fit.
+/// Name of a part, and a change that makes it invalid.
 type Change = (&'static str, fn(&mut Stored));
 
 fn meshes() -> [Mesh; 3] {
@@ -100,7 +100,7 @@ fn borrowed_meshes_answer_and_move_like_their_originals() {
 }
 
 #[test]
-fn n34_every_bit_of_the_hierarchy_is_proved() {
+fn every_flipped_bit_of_the_hierarchy_is_detected() {
     let mut rng = Rng::new(34);
     for mesh in &meshes()[..2] {
         let stored = Stored::of(mesh);
@@ -114,24 +114,25 @@ fn n34_every_bit_of_the_hierarchy_is_proved() {
             for _ in 0..times {
                 let at = rng.integer(range.start as i64, range.end as i64 - 1) as usize;
                 let bit = rng.integer(0, 7) as u32;
-                assert!(spoil(at, bit).is_some(), "bit {bit} of byte {} of {part} is not seen", at - range.start);
+                assert!(spoil(at, bit).is_some(), "bit {bit} of byte {} of {part} is not detected", at - range.start);
             }
         }
-        // Another vertex or another face makes another mesh, whose hierarchy this is not; but a vertex may move by less than
-        // boxes and slabs show, and a face may get a vertex that is at the same place.
+        // A changed vertex or face makes another mesh, for which this hierarchy is invalid. But a
+        // vertex may move by less than boxes and slabs resolve, and a face may get a vertex at the
+        // same place.
         for (part, range) in [("faces", faces), ("positions", positions)] {
             let mut seen = 0;
             for _ in 0..100 {
                 let at = rng.integer(range.start as i64, range.end as i64 - 1) as usize;
                 seen += usize::from(spoil(at, 7).is_some());
             }
-            assert!(seen > 50, "{seen} of 100 changes of {part} are seen");
+            assert!(seen > 50, "{seen} of 100 changes of {part} are detected");
         }
     }
 }
 
 #[test]
-fn n34_arrays_that_do_not_fit_are_refused() {
+fn arrays_that_do_not_fit_are_rejected() {
     let mesh = &meshes()[1];
     let stored = Stored::of(mesh);
     let flaw = |change: &dyn Fn(&mut Stored)| {
@@ -152,7 +153,7 @@ fn n34_arrays_that_do_not_fit_are_refused() {
     for (part, change) in changes {
         assert_eq!(flaw(&change), Some(Flaw::Shape { part }), "{part}");
     }
-    // Whole elements fewer, and another mesh's.
+    // Fewer whole elements, and the precision of another mesh.
     assert_eq!(flaw(&|s| s.parts.leaves.end -= 64), Some(Flaw::Tree));
     assert_eq!(flaw(&|s| s.parts.nodes.end -= 256), Some(Flaw::Tree));
     assert_eq!(flaw(&|s| s.parts.nodes.end = s.parts.nodes.start), Some(Flaw::Tree));
@@ -161,9 +162,10 @@ fn n34_arrays_that_do_not_fit_are_refused() {
     assert!(flaw(&|s| s.is_single_precision = true).is_some());
 }
 
-/// Of faces at one place, a leaf may hold any without another box: only that each is held once tells them apart.
+/// Checks faces at one place, where a duplicated face changes no box. Only the check that each face
+/// occurs once detects it.
 #[test]
-fn n34_a_face_twice_in_place_of_one_that_is_alike_is_seen() {
+fn a_duplicated_face_in_place_of_an_equal_one_is_detected() {
     let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     for count in [3, 8, 1_000] {
         let mesh = Mesh::new(Positions::F32(corners.clone()), vec![[0, 1, 2]; count]).expect("legal");
@@ -178,7 +180,7 @@ fn n34_a_face_twice_in_place_of_one_that_is_alike_is_seen() {
     }
 }
 
-/// The first bytes of the SHA-256 of all arrays.
+/// Returns the first 8 bytes of the SHA-256 of all arrays, in hexadecimal.
 fn digest(mesh: &Mesh) -> String {
     use sha2::{Digest, Sha256};
     let parts = mesh.parts();
@@ -190,9 +192,9 @@ fn digest(mesh: &Mesh) -> String {
 }
 
 #[test]
-fn the_bytes_are_those_of_this_version_on_every_machine() {
-    // Where a build has come to make other bits of the same layout, raise `Mesh::PARTS_VERSION` with these, so that no file of
-    // the old ones is taken for one of the new ones.
+fn arrays_have_the_recorded_digests_on_every_machine() {
+    // If a build now produces other bits of the same layout, raise `Mesh::PARTS_VERSION` and update
+    // these digests. Otherwise files of the old version would be read as new ones.
     let digests = [Builder::Morton, Builder::BinnedSah, Builder::SweepSah]
         .map(|builder| meshes_built(builder).each_ref().map(digest).join(" "));
     assert_eq!(

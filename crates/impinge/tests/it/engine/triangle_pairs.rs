@@ -1,4 +1,5 @@
-//! Single pairs of triangles, rich in ties, whose truth is known; many of them in one mesh, so that packets are full.
+//! Single pairs of triangles with many ties, against linear programming in integers: directly, and
+//! through whole meshes.
 
 use impinge_testkit::Mesh;
 use impinge_testkit::cases::Precision;
@@ -14,7 +15,7 @@ const PAIRS: usize = 60_000;
 fn wrong(pairs: impl Iterator<Item = TrianglePair>, truth: impl Iterator<Item = TrianglePair>) -> (usize, usize) {
     let (mut wrong, mut hits) = (0, 0);
     for (pair, plain) in pairs.zip(truth) {
-        // The maps keep the truth of the plain pair, which is cheap to find.
+        // The maps do not change the answer for the plain pair, which the oracle finds faster.
         let expected = triangles_meet(&plain.a, &plain.world_from_a, &plain.b, &plain.world_from_b);
         let placement = Placement::new(&engine_pose(&pair.world_from_a), &engine_pose(&pair.world_from_b));
         wrong += usize::from(triangles_intersect(&placement, &pair.a, &pair.b) != expected);
@@ -27,12 +28,13 @@ fn wrong(pairs: impl Iterator<Item = TrianglePair>, truth: impl Iterator<Item = 
 fn tie_heavy_pairs_under_large_integer_maps_are_never_wrong() {
     let (wrong, hits) = wrong(under_large_integer_maps(11, PAIRS), tie_heavy(11, PAIRS));
     assert_eq!(wrong, 0, "of {PAIRS} pairs");
-    assert!((PAIRS * 3 / 10..PAIRS * 9 / 10).contains(&hits), "{hits} of {PAIRS} pairs meet");
+    assert!((PAIRS * 3 / 10..PAIRS * 9 / 10).contains(&hits), "{hits} of {PAIRS} pairs intersect");
 }
 
 #[test]
-fn tie_heavy_pairs_through_the_whole_engine() {
-    // One mesh a pair: the descent and the filter decide or pass on what the exact stage would be given directly.
+fn tie_heavy_pairs_are_decided_by_the_whole_engine() {
+    // Each pair is two meshes of one triangle. The descent and the filter decide, or pass the pair
+    // to the exact stage.
     const FEW: usize = 4_000;
     let mut hits = 0;
     let sets = under_large_integer_maps(5, FEW).zip(tie_heavy(5, FEW)).chain(tie_heavy(6, FEW).zip(tie_heavy(6, FEW)));
@@ -44,7 +46,7 @@ fn tie_heavy_pairs_through_the_whole_engine() {
         assert_eq!(found, expected, "{pair:?}");
         hits += usize::from(expected);
     }
-    assert!((2 * FEW * 3 / 10..2 * FEW * 9 / 10).contains(&hits), "{hits} of {} pairs meet", 2 * FEW);
+    assert!((2 * FEW * 3 / 10..2 * FEW * 9 / 10).contains(&hits), "{hits} of {} pairs intersect", 2 * FEW);
 }
 
 #[test]
@@ -57,5 +59,5 @@ fn rotated_pairs_agree_with_the_oracle() {
         assert_eq!(triangles_intersect(&placement, &pair.a, &pair.b), expected, "{pair:?}");
         hits += usize::from(expected);
     }
-    assert!((FEW / 4..FEW * 9 / 10).contains(&hits), "{hits} of {FEW} pairs meet");
+    assert!((FEW / 4..FEW * 9 / 10).contains(&hits), "{hits} of {FEW} pairs intersect");
 }

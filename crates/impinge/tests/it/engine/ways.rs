@@ -1,11 +1,11 @@
-//! Every way in which the engine can run; none of them may change an answer.
+//! Pair queries with every option of the engine, none of which may change an answer.
 
 use impinge::mesh::{HostChoice, Options};
 use impinge::query::Query;
 use impinge::{Mesh, Pose, Positions, simd};
 use impinge_testkit::{Affine, Posed, cases::Precision};
 
-/// The mesh as the engine takes it.
+/// Returns the engine's mesh for a mesh of the testkit.
 pub(crate) fn engine_mesh(mesh: &impinge_testkit::Mesh, precision: Precision) -> Mesh {
     let positions = match precision {
         Precision::F32 => Positions::F32(mesh.vertices.iter().map(|v| v.map(|x| x as f32)).collect()),
@@ -18,7 +18,7 @@ pub(crate) fn engine_pose(pose: &Affine) -> Pose {
     Pose::new(pose.linear, pose.translation).expect("a legal pose")
 }
 
-/// The pairs that the engine finds in one way.
+/// Returns the pairs that the engine finds with the given options.
 pub(crate) fn pairs(a: (&Mesh, &Affine), b: (&Mesh, &Affine), options: &Options<'_>) -> Vec<(u32, u32)> {
     let (placed_a, placed_b) = (a.0.at(engine_pose(a.1)), b.0.at(engine_pose(b.1)));
     let pairs = Query::new().with_options(*options).intersecting_pairs(placed_a, placed_b);
@@ -27,7 +27,7 @@ pub(crate) fn pairs(a: (&Mesh, &Affine), b: (&Mesh, &Affine), options: &Options<
     pairs.into_iter().map(|[a, b]| (a, b)).collect()
 }
 
-/// All levels and hosts.
+/// Returns the options for all vector levels and hosts, each with its name.
 pub(crate) fn all_options() -> impl Iterator<Item = (String, Options<'static>)> {
     simd::levels().into_iter().flat_map(|(name, level)| {
         [HostChoice::SmallerError, HostChoice::First, HostChoice::Second]
@@ -35,12 +35,13 @@ pub(crate) fn all_options() -> impl Iterator<Item = (String, Options<'static>)> 
     })
 }
 
-/// Runs on a pool of this many threads.
+/// Runs a function on a pool of `threads` threads.
 pub(crate) fn on_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool").install(run)
 }
 
-/// Asks in every way, on one thread and on two, and returns the one answer.
+/// Returns the intersecting pairs, after checking that all options, on one thread and on two, give
+/// the same pairs.
 pub(crate) fn pairs_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine)) -> Vec<(u32, u32)> {
     let expected = on_threads(1, || pairs(a, b, &Options::default()));
     for threads in [1, 2] {
@@ -54,7 +55,7 @@ pub(crate) fn pairs_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine)) -> Ve
     expected
 }
 
-/// As [`pairs_in_every_way`], from the testkit's meshes.
+/// Does the same as [`pairs_in_every_way`], from meshes of the testkit.
 pub(crate) fn posed_pairs_in_every_way(a: Posed<'_>, b: Posed<'_>, precision: Precision) -> Vec<(u32, u32)> {
     let owned =
         |posed: &Posed<'_>| impinge_testkit::Mesh { vertices: posed.vertices.to_vec(), faces: posed.faces.to_vec() };

@@ -1,11 +1,14 @@
-//! What the tests of the exact stage share: exact rational images, a decision by linear programming, and pairs of
-//! triangles that are full of ties.
+//! Oracle of the exact stage: rational images of points, a decision by linear programming, and
+//! pairs of triangles with many ties.
+//!
+//! Every step is in rationals, so a decision is slow. It checks `exact::triangles_intersect`, its
+//! filter and its tiers of integers.
 
 use dashu_ratio::RBig;
 use impinge::Pose;
 use impinge::exact::Corners;
 
-/// A sequence of random numbers with a fixed seed: splitmix64 (Steele, Lea, Flood 2014).
+/// Random numbers with a fixed seed: splitmix64 (Steele, Lea, Flood 2014).
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -17,12 +20,12 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// A whole number from `low` to `high`, both included.
+    /// Returns an integer from `low` to `high`, both included.
     pub(crate) fn integer(&mut self, low: i64, high: i64) -> i64 {
         low + (self.next() % (high - low + 1) as u64) as i64
     }
 
-    /// Uniform in [-1, 1).
+    /// Returns a number distributed uniformly in [-1, 1).
     pub(crate) fn unit(&mut self) -> f64 {
         self.next() as i64 as f64 / 9_223_372_036_854_775_808.0
     }
@@ -41,19 +44,21 @@ pub(crate) fn rational(x: f64) -> RBig {
 }
 
 pub(crate) fn power_of_two(exponent: i32) -> f64 {
-    // In two factors: `powi` takes the reciprocal of a power that may overflow.
+    // Two factors are needed, because `powi` takes the reciprocal of a power that may overflow.
     2.0_f64.powi(exponent / 2) * 2.0_f64.powi(exponent - exponent / 2)
 }
 
-/// The exact image of a point.
+/// Returns the exact image of a point.
 pub(crate) fn world_point(pose: &Pose, v: &[f64; 3]) -> [RBig; 3] {
     std::array::from_fn(|i| {
         (0..3).fold(rational(pose.translation()[i]), |sum, k| sum + rational(pose.linear()[i][k]) * rational(v[k]))
     })
 }
 
-/// Whether the two triangles have a common point: whether some weights `l, m >= 0` that sum to one each have
-/// `Σ l_i a_i = Σ m_j b_j`, by the simplex method with Bland's rule.
+/// Reports whether two triangles have a common point.
+///
+/// They have one if weights `l, m >= 0` exist that sum to 1 each and satisfy `Σ l_i a_i = Σ m_j
+/// b_j`. The simplex method with Bland's rule decides that.
 pub(crate) fn oracle_intersects(world_from_a: &Pose, world_from_b: &Pose, a: &Corners, b: &Corners) -> bool {
     let a = a.map(|corner| world_point(world_from_a, &corner));
     let b = b.map(|corner| world_point(world_from_b, &corner));
@@ -72,15 +77,16 @@ pub(crate) fn oracle_intersects(world_from_a: &Pose, world_from_b: &Pose, a: &Co
     feasible(rows)
 }
 
-/// Whether `M x = r`, `x >= 0` has a solution; a row is one of `M` and its right side, which is not negative.
+/// Reports whether `M x = r`, `x >= 0` has a solution. Each row holds a row of `M` and then its
+/// right side, which must not be negative.
 fn feasible(mut rows: Vec<Vec<RBig>>) -> bool {
     let variables = rows[0].len() - 1;
-    // One artificial variable a row is the basis to start from; the objective, their sum, is to reach zero. Artificial
-    // columns that leave need no column, as they never come back.
+    // The initial basis has one artificial variable per row. The objective, their sum, must reach
+    // zero. Artificial variables that leave need no column, as they never return.
     let mut basis: Vec<usize> = (0..rows.len()).map(|row| variables + row).collect();
     let column_sum = |column: usize| rows.iter().fold(RBig::ZERO, |sum, row| sum + row[column].clone());
     let mut objective: Vec<RBig> = (0..=variables).map(column_sum).collect();
-    // Bland's rule: the lowest column that improves enters.
+    // Bland's rule: the first column that improves the objective enters.
     while let Some(entering) = (0..variables).find(|&column| objective[column] > RBig::ZERO) {
         let leaving = (0..rows.len())
             .filter(|&row| rows[row][entering] > RBig::ZERO)
@@ -107,7 +113,8 @@ fn feasible(mut rows: Vec<Vec<RBig>>) -> bool {
     objective[variables] == RBig::ZERO
 }
 
-/// Two triangles on a small grid, with corners shared, edges split, areas zero and planes common more often than not.
+/// Returns two triangles on a small grid. Shared corners, split edges, zero areas and common planes
+/// are frequent.
 pub(crate) fn tied_pair(random: &mut Random) -> (Corners, Corners) {
     let extent = random.pick(&[1, 2, 2, 3, 8]);
     let flat = random.one_in(3);
@@ -141,7 +148,7 @@ pub(crate) fn tied_pair(random: &mut Random) -> (Corners, Corners) {
         _ => {}
     }
     if random.one_in(4) {
-        // Into some other plane, the same for both.
+        // Both are sheared out of the grid's planes by the same map.
         let shear = [random.integer(-2, 2) as f64, random.integer(-2, 2) as f64];
         let sheared = |[x, y, z]: [f64; 3]| [x, y + shear[0] * z, z + shear[1] * x];
         return (a.map(sheared), b.map(sheared));
@@ -149,7 +156,7 @@ pub(crate) fn tied_pair(random: &mut Random) -> (Corners, Corners) {
     (a, b)
 }
 
-/// A linear map with small whole entries that is invertible.
+/// Returns an invertible linear map with small integer entries.
 pub(crate) fn integer_linear(random: &mut Random, extent: i64) -> [[f64; 3]; 3] {
     loop {
         let linear: [[f64; 3]; 3] =
@@ -170,7 +177,7 @@ pub(crate) fn rotation(random: &mut Random) -> Pose {
     Pose::from_axis_angle(axis, 4.0 * random.unit(), translation).expect("a rotation")
 }
 
-/// A pose whose linear part is `linear · factor` and whose translation is `translation · factor`.
+/// Returns the pose with the linear part and the translation multiplied by `factor`.
 pub(crate) fn scaled(pose: &Pose, factor: f64) -> Pose {
     Pose::new(pose.linear().map(|row| row.map(|x| x * factor)), pose.translation().map(|x| x * factor))
         .expect("within range")

@@ -1,4 +1,4 @@
-//! N22: hulls of 1, 2, collinear, coplanar, cospherical and duplicated points.
+//! Hulls of 1 and 2 points, and of collinear, coplanar, cospherical and duplicated points.
 
 use impinge::InputErrorKind;
 use impinge::hull::{Hull, HullKind};
@@ -11,7 +11,7 @@ use crate::hull::surface;
 const KINDS: [HullKind; 4] = [HullKind::Point, HullKind::Segment, HullKind::Polygon, HullKind::Solid];
 
 #[test]
-fn n22_small_sets_have_the_hull_of_the_definition() {
+fn small_sets_have_the_hull_of_the_definition() {
     let mut rng = Rng::new(22);
     let mut kinds = [0; 4];
     let mut inner = 0;
@@ -36,9 +36,9 @@ fn n22_small_sets_have_the_hull_of_the_definition() {
     assert!(kinds.iter().all(|&count| count * 20 > rounds) && inner * 2 > rounds, "{kinds:?} {inner}");
 }
 
-/// A point is contained exactly where it adds no vertex.
+/// Checks that a hull contains a point exactly if adding the point adds no vertex.
 #[test]
-fn contains_is_membership() {
+fn contains_agrees_with_the_definition() {
     let mut rng = Rng::new(23);
     let mut held = [[0; 2]; 4];
     let rounds = rounds(1_500);
@@ -47,7 +47,7 @@ fn contains_is_membership() {
         let hull = Hull::new(&floats(&set, 0)).expect("in range");
         let point = match case % 3 {
             0 => std::array::from_fn(|_| rng.integer(-3, 3)),
-            // Between two of the points, or beyond the second.
+            // Between two points of the set, or beyond the second one.
             _ => {
                 let (p, q, step) = (rng.choose(&set), rng.choose(&set), rng.integer(1, 2));
                 std::array::from_fn(|k| p[k] + (q[k] - p[k]) * step / [2, 1][case % 2])
@@ -65,7 +65,7 @@ fn contains_is_membership() {
 }
 
 #[test]
-fn input_is_judged_once() {
+fn invalid_points_are_rejected_by_index() {
     let kind = |points: &[[f64; 3]]| Hull::new(points).map(|_| ()).expect_err("refused").kind().clone();
     assert_eq!(kind(&[]), InputErrorKind::Empty { what: "points" });
     let mut points = vec![[0.5; 3]; 9];
@@ -75,15 +75,16 @@ fn input_is_judged_once() {
     assert_eq!(kind(&points), InputErrorKind::NonFinite { what: "point", index: 3 });
     points[1][0] = 2.0_f64.powi(128);
     assert_eq!(kind(&points), InputErrorKind::OutOfRange { what: "point", index: 1, limit: "2^128" });
-    // The largest and the smallest that there are.
+    // The largest and the smallest valid coordinates.
     let extremes = [[f64::from(f32::MAX); 3], [-f64::from(f32::MAX); 3], [5e-324, 0.0, 0.0], [0.0, -0.0, 5e-324]];
     let hull = Hull::new(&extremes).expect("in range");
     assert_eq!((hull.kind(), hull.vertices().len()), (HullKind::Solid, 4));
 }
 
-/// The order of the input shows in the numbers only, and neither copies nor single precision change anything.
+/// Checks that the order of the input changes only the numbering, and that single precision changes
+/// nothing.
 #[test]
-fn the_hull_is_that_of_the_set() {
+fn the_order_of_the_points_changes_no_hull() {
     let mut rng = Rng::new(24);
     for case in 0..600 {
         let set = small_set(&mut rng, case % FAMILIES);
@@ -108,9 +109,9 @@ fn the_hull_is_that_of_the_set() {
     }
 }
 
-/// One step of a coordinate decides whether a point is in a face, inside or a vertex.
+/// Checks that one unit in the last place decides whether a point is on a face, inside or a vertex.
 #[test]
-fn one_unit_in_the_last_place_counts() {
+fn one_unit_in_the_last_place_decides() {
     let corners = [[0.1, 0.2, 0.3], [0.7, 0.1, 0.4], [0.2, 0.9, 0.6], [0.3, 0.3, 0.95]];
     let mut rng = Rng::new(25);
     let mut vertices = 0;

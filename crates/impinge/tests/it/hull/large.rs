@@ -1,4 +1,4 @@
-//! Hulls of many points: hostile sets, and the real meshes.
+//! Hulls of many points: hostile sets, and meshes.
 
 use std::time::Instant;
 
@@ -9,7 +9,7 @@ use impinge_testkit::generate::{Rng, cos, sin};
 use crate::hull::oracle::orientation_of_doubles;
 use crate::hull::surface;
 
-/// Checks the surface, and that every `stride`-th point is inside.
+/// Returns the hull after checking its surface, and that every `stride`-th point is inside.
 fn assert_holds(points: &[[f64; 3]], stride: usize) -> Hull {
     let hull = Hull::new(points).expect("legal");
     surface::check(&hull, points.iter().copied().step_by(stride), orientation_of_doubles);
@@ -17,14 +17,15 @@ fn assert_holds(points: &[[f64; 3]], stride: usize) -> Hull {
 }
 
 #[test]
-fn every_point_of_a_cloud_is_inside() {
+fn hulls_contain_every_point_of_a_cloud() {
     let mut rng = Rng::new(41);
     let mut cloud = |count: usize| -> Vec<[f64; 3]> {
         (0..count).map(|_| std::array::from_fn(|_| rng.uniform(-1.0, 1.0))).collect()
     };
     let hull = assert_holds(&cloud(30_000), 1);
     assert!((100..600).contains(&hull.vertices().len()), "{}", hull.vertices().len());
-    // Around a corner and along a line, so that boxes and cells say little; and far away.
+    // Points around a corner and along a line, for which boxes and cells cull little; and points
+    // far from the origin.
     let skewed: Vec<_> = cloud(20_000).iter().map(|[x, y, z]| [x * x * x, x * x * x + 1e-3 * y, 1e-9 * z]).collect();
     assert_holds(&skewed, 7);
     let far: Vec<_> = cloud(20_000).iter().map(|p| p.map(|x| 1e7 + x)).collect();
@@ -35,9 +36,9 @@ fn every_point_of_a_cloud_is_inside() {
     assert_holds(&lonely, 3);
 }
 
-/// N22: points of a lattice, whose faces hold most of them, and the same under a shear.
+/// Checks lattices, whose faces contain most of their points, and sheared lattices.
 #[test]
-fn n22_lattices_keep_their_corners_only() {
+fn only_the_corners_of_a_lattice_are_vertices() {
     let side = 24;
     let lattice: Vec<[f64; 3]> =
         (0..side * side * side).map(|i| [i % side, i / side % side, i / side / side].map(f64::from)).collect();
@@ -45,7 +46,7 @@ fn n22_lattices_keep_their_corners_only() {
     assert_eq!(hull.vertices().len(), 8);
     let sheared: Vec<_> = lattice.iter().map(|[x, y, z]| [x + 0.5 * y, y - 0.25 * z, z + x]).collect();
     assert_eq!(assert_holds(&sheared, 11).vertices().len(), 8);
-    // Flat and straight ones, with every point many times.
+    // Flat and straight lattices, with every point many times.
     let flat: Vec<_> = lattice.iter().map(|[x, y, _]| [*x, *y, x + y]).collect();
     let hull = assert_holds(&flat, 11);
     assert_eq!((hull.kind(), hull.vertices().len()), (HullKind::Polygon, 4));
@@ -53,9 +54,9 @@ fn n22_lattices_keep_their_corners_only() {
     assert_eq!(assert_holds(&straight, 11).kind(), HullKind::Segment);
 }
 
-/// N22: integer points on a sphere, all of which are vertices, in facets of many corners.
+/// Checks integer points on a sphere. All are vertices, in facets of many corners.
 #[test]
-fn n22_cospherical_points_are_all_vertices() {
+fn cospherical_points_are_all_vertices() {
     let squared = 2 * 3 * 5 * 7 * 11 * 13; // has many sums of three squares
     let root = 173;
     let mut points = Vec::new();
@@ -75,8 +76,11 @@ fn n22_cospherical_points_are_all_vertices() {
     assert!(points.len() > 500, "{}", points.len());
 }
 
-/// Sets that take quadratic time where faces are tried one by one, or points taken in their order: a cone whose tip sees
-/// the whole rim, two skew curves with every pair of their points an edge, a spiral, and points sorted along a sphere.
+/// Checks sets that take quadratic time if faces are tried one by one, or if points are added in
+/// their order.
+///
+/// They are a cone whose tip sees the whole rim, two skew curves with an edge between every two
+/// points, a spiral, and points sorted along a sphere.
 #[test]
 fn hostile_sets_take_no_quadratic_time() {
     let count = 20_000;
@@ -109,14 +113,14 @@ fn hostile_sets_take_no_quadratic_time() {
     for points in [cone, crossed, spiral, sphere] {
         let start = Instant::now();
         let hull = Hull::new(&points).expect("legal");
-        // Some 50 ms each; 20,000 squared would be minutes.
+        // Each takes about 50 ms. 20,000 squared would take minutes.
         assert!(start.elapsed().as_secs() < 10);
         surface::check(&hull, points.iter().copied().step_by(4001), orientation_of_doubles);
     }
 }
 
 #[test]
-fn a_knot_of_many_points_is_held_by_its_hull() {
+fn the_hull_of_a_knot_contains_its_vertices() {
     let knot = torus_knot(600, 150, TREFOIL);
     let hull = assert_holds(&knot.vertices, 29);
     let single: Vec<[f32; 3]> = knot.vertices.iter().map(|p| p.map(|x| x as f32)).collect();

@@ -1,9 +1,10 @@
-//! Convex hulls against exact oracles: which points are extreme, whether every point is inside, and who is farthest.
+//! Convex hulls against exact oracles: which points are extreme, whether every point is inside, and
+//! which vertex is farthest.
 
 mod kinds;
 mod large;
 mod oracle;
 mod proxies;
+mod stored_hulls;
 mod support;
 mod surface;
-mod told_hulls;

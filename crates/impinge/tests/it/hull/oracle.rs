@@ -1,17 +1,23 @@
-//! What hulls are by definition, in integers and rationals. Nothing here is shared with the library.
+//! Oracle: convex hulls by definition, in integers and rationals. It shares no code with the
+//! library.
+//!
+//! The time grows with the fifth power of the number of points. It checks `Hull::new`,
+//! `Hull::contains` and `Mesh::validate_proxies`.
 
 use dashu_ratio::RBig;
 use impinge_testkit::generate::Rng;
 
 pub(crate) type Point = [i64; 3];
 
-/// The sign of the volume of four points: positive where the last is on the left side of the first three.
+/// Returns the sign of the volume of four points. It is positive if the last point is on the left
+/// side of the first three.
 pub(crate) fn orientation([p, q, r, s]: [Point; 4]) -> i128 {
     let [u, v, w] = [q, r, s].map(|x| difference(x, p));
     dot(cross(u, v), w).signum()
 }
 
-/// Whether a point is in the hull of at most four others that span what they can.
+/// Reports whether a point is in the simplex of one to four corners. Returns `false` if the corners
+/// are affinely dependent.
 fn is_in_simplex(p: Point, corners: &[Point]) -> bool {
     match *corners {
         [a] => a == p,
@@ -30,7 +36,8 @@ fn is_in_simplex(p: Point, corners: &[Point]) -> bool {
     }
 }
 
-/// The first of each of the points that are in no simplex of the others (Carathéodory).
+/// Returns the extreme points: those in no simplex of the others (Carathéodory). Of equal points,
+/// the first is returned.
 pub(crate) fn extreme(points: &[Point]) -> Vec<u32> {
     let is_first = |at: usize| !points[..at].contains(&points[at]);
     let is_extreme = |at: usize| {
@@ -40,7 +47,8 @@ pub(crate) fn extreme(points: &[Point]) -> Vec<u32> {
     (0..points.len()).filter(|&at| is_first(at) && is_extreme(at)).map(|at| at as u32).collect()
 }
 
-/// One less than the number of points that are affinely independent.
+/// Returns the affine dimension of the points: 0 for one place, 1 for a line, 2 for a plane, else
+/// 3.
 pub(crate) fn dimension(points: &[Point]) -> usize {
     let a = points[0];
     let Some(&b) = points.iter().find(|&&b| b != a) else { return 0 };
@@ -50,13 +58,14 @@ pub(crate) fn dimension(points: &[Point]) -> usize {
 }
 
 fn simplices(points: &[Point]) -> impl Iterator<Item = Vec<Point>> {
-    // Corners in ascending order, an index past the end being none.
+    // The corners are in ascending order. An index past the end means no corner.
     let n = points.len();
     (0..n).flat_map(move |a| {
         (a + 1..=n).flat_map(move |b| {
             (b + 1..=n + 1).flat_map(move |c| {
                 (c + 1..=n + 2).filter_map(move |d| {
-                    // Each smaller simplex once: a missing corner is followed by missing ones only, in one way.
+                    // Each smaller simplex occurs once, because missing corners are last and
+                    // numbered in one way.
                     let is_canonical = (b < n || c == b + 1) && (c < n || d == c + 1);
                     is_canonical.then(|| [a, b, c, d].iter().filter(|&&i| i < n).map(|&i| points[i]).collect())
                 })
@@ -77,7 +86,8 @@ fn dot(u: [i128; 3], v: [i128; 3]) -> i128 {
     (0..3).map(|k| u[k] * v[k]).sum()
 }
 
-/// The sign of the volume of four points in doubles: by a bound that is far on the safe side, else by rationals.
+/// Returns the sign of the volume of four points in doubles. A generous error bound decides first,
+/// and rationals if it does not.
 pub(crate) fn orientation_of_doubles(points: [[f64; 3]; 4]) -> i32 {
     let [p, q, r, s] = points;
     let [u, v, w]: [[f64; 3]; 3] = [q, r, s].map(|x| std::array::from_fn(|k| x[k] - p[k]));
@@ -97,16 +107,16 @@ pub(crate) fn orientation_of_doubles(points: [[f64; 3]; 4]) -> i32 {
     volume.cmp(&RBig::ZERO) as i32
 }
 
-/// Sets of few points with many ties, whose greatest coordinate is below 2^20.
+/// Returns a small set of points with many ties. All coordinates are below 2^20 in absolute value.
 pub(crate) fn small_set(rng: &mut Rng, family: usize) -> Vec<Point> {
     let count = rng.integer(1, 13) as usize;
     let mut grid = |side: i64| -> Point { std::array::from_fn(|_| rng.integer(-side, side)) };
     let mut points: Vec<Point> = match family {
-        // In space, on a coarse grid and on a finer one.
+        // In space, on grids of three sizes.
         0 => (0..count).map(|_| grid(1)).collect(),
         1 => (0..count).map(|_| grid(3)).collect(),
         2 => (0..count).map(|_| grid(1 << 18)).collect(),
-        // In a plane and in a line, both askew.
+        // In an oblique plane, and on an oblique line.
         3 => {
             let (u, v, base) = (grid(9), grid(9), grid(99));
             (0..count)
@@ -118,7 +128,7 @@ pub(crate) fn small_set(rng: &mut Rng, family: usize) -> Vec<Point> {
             let (u, base) = (grid(9), grid(99));
             (0..count).map(|_| grid(3)).map(|[s, ..]| std::array::from_fn(|k| base[k] + s * u[k])).collect()
         }
-        // On a sphere: signs and orders of 1, 2, 3.
+        // On a sphere: permutations and signs of 1, 2, 3.
         5 => (0..count)
             .map(|_| {
                 let signs = grid(1 << 10);
@@ -126,10 +136,10 @@ pub(crate) fn small_set(rng: &mut Rng, family: usize) -> Vec<Point> {
                 std::array::from_fn(|k| ((k + turn) % 3 + 1) as i64 * if signs[k] >= 0 { 1 } else { -1 })
             })
             .collect(),
-        // Near a plane: one coordinate is 0 but for a few points.
+        // Near a plane: one coordinate is 0 except for a few points.
         _ => (0..count).map(|_| grid(4)).map(|[x, y, z]| [1000 * x, 1000 * y, i64::from(z == 4)]).collect(),
     };
-    // Duplicates, of the first and of any.
+    // Duplicates of any points.
     for _ in 0..rng.integer(0, 2) {
         let copied = rng.choose(&points);
         points.push(copied);
@@ -139,7 +149,7 @@ pub(crate) fn small_set(rng: &mut Rng, family: usize) -> Vec<Point> {
 
 pub(crate) const FAMILIES: usize = 7;
 
-/// The points as floats, scaled by a power of two.
+/// Returns the points as floats, scaled by a power of two.
 pub(crate) fn floats(points: &[Point], exponent: i64) -> Vec<[f64; 3]> {
     let scale = f64::from_bits(((1023 + exponent) as u64) << 52);
     points.iter().map(|point| point.map(|x| x as f64 * scale)).collect()

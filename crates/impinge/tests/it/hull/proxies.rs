@@ -1,4 +1,5 @@
-//! Proxies of meshes, stored and believed only when proved (N34): whatever passes is the hull by definition.
+//! Stored proxies of meshes: `validate_proxies` accepts a hull only if it is the hull by
+//! definition.
 
 use impinge::hull::{Hull, HullKind};
 use impinge::volume::{BoundingVolume, Proxies, ProxyFlaw};
@@ -9,12 +10,13 @@ use impinge_testkit::rounds;
 use crate::hull::oracle::{FAMILIES, dimension, extreme, floats, orientation, small_set};
 use crate::hull::surface;
 
-/// Where the doubles of the volumes begin among the bytes, and where the hull's arrays do.
+/// Byte offset of the doubles of the volumes. The arrays of the hull begin at [`ARRAYS`].
 pub(crate) const VOLUMES: usize = 16;
 pub(crate) const ARRAYS: usize = VOLUMES + 800;
 
-/// A mesh of triangles between these points, some without area, that have all of them but one that is left out; before them a
-/// vertex far away that no face has, so that no number is a place.
+/// Returns a mesh of triangles, some without area, between all points except `left_out`.
+///
+/// Vertex 0 is far away and used by no face, so that vertex numbers differ from point numbers.
 fn mesh_without(points: &[[f64; 3]], left_out: Option<usize>) -> Mesh {
     let used: Vec<u32> = (0..points.len()).filter(|&at| Some(at) != left_out).map(|at| at as u32 + 1).collect();
     let faces: Vec<_> = (0..used.len()).map(|at| [0, 1, 2].map(|next| used[(at + next) % used.len()])).collect();
@@ -31,8 +33,8 @@ pub(crate) fn proxies(mesh: &Mesh) -> Proxies {
     mesh.proxies().expect("faces")
 }
 
-/// Reads and proves.
-pub(crate) fn proved(mesh: &Mesh, bytes: &[u8]) -> Result<Proxies, ProxyFlaw> {
+/// Reads proxies from bytes and validates them.
+pub(crate) fn read_and_validated(mesh: &Mesh, bytes: &[u8]) -> Result<Proxies, ProxyFlaw> {
     let read = mesh.proxies_from_bytes(bytes)?;
     mesh.validate_proxies(&read).map(|()| read)
 }
@@ -53,7 +55,7 @@ fn integers(points: [[f64; 3]; 4]) -> i32 {
 }
 
 #[test]
-fn proxies_of_small_sets_come_back_and_are_proved() {
+fn stored_proxies_of_small_sets_are_read_back_and_validated() {
     let mut rng = Rng::new(61);
     let mut kinds = [0; 4];
     for case in 0..1200 {
@@ -65,11 +67,11 @@ fn proxies_of_small_sets_come_back_and_are_proved() {
         assert_eq!(own.hull().vertices(), expected, "{set:?}");
         assert!(points.iter().all(|&point| volumes_hold(&own, point)));
         let bytes = own.to_bytes();
-        let again = proved(&mesh, &bytes).unwrap_or_else(|flaw| panic!("{flaw} of {set:?}"));
+        let again = read_and_validated(&mesh, &bytes).unwrap_or_else(|flaw| panic!("{flaw} of {set:?}"));
         assert_eq!(again.to_bytes(), bytes);
         assert_eq!((again.hull().kind(), again.hull().positions()), (own.hull().kind(), own.hull().positions()));
         let (hull, own) = (again.hull(), own.hull());
-        assert!((0..expected.len() as u32).all(|vertex| hull.neighbours(vertex) == own.neighbours(vertex)));
+        assert!((0..expected.len() as u32).all(|vertex| hull.neighbors(vertex) == own.neighbors(vertex)));
         assert!([[1.0, 2.0, 3.0], [-1.0, 0.0, 0.0]].iter().all(|&d| hull.support(d) == own.support(d)));
         kinds[dimension(&set)] += 1;
     }
@@ -78,9 +80,12 @@ fn proxies_of_small_sets_come_back_and_are_proved() {
     assert!(empty.proxies().is_none());
 }
 
-/// With a point more, the hull holds exactly where that point is no vertex; with one less, where that was none.
+/// Checks the hull of one point fewer or one point more.
+///
+/// The hull of fewer points is valid exactly if the missing point is no vertex. The hull of more
+/// points is valid exactly if the additional point was no vertex.
 #[test]
-fn n34_the_hull_of_other_points_is_refused() {
+fn the_hull_of_other_points_is_rejected() {
     let mut rng = Rng::new(62);
     let (mut refused, mut accepted) = ([0; 4], [0; 4]);
     let rounds = rounds(1_200);
@@ -93,24 +98,24 @@ fn n34_the_hull_of_other_points_is_refused() {
         let left_out = rng.integer(0, set.len() as i64 - 1) as usize;
         let (whole, part) = (mesh(&points), mesh_without(&points, Some(left_out)));
         let is_extreme = extreme(&set).contains(&(left_out as u32));
-        // A copy of it may be left.
+        // A copy of the point may remain.
         let is_gone =
             is_extreme && !set[..left_out].contains(&set[left_out]) && !set[left_out + 1..].contains(&set[left_out]);
         let kind = dimension(&set);
-        // Where a copy takes its place, which of them is named is open.
+        // If a copy takes its place, either of the two may be named.
         if is_gone || !is_extreme {
-            let flaw = proved(&whole, &proxies(&part).to_bytes()).err();
+            let flaw = read_and_validated(&whole, &proxies(&part).to_bytes()).err();
             assert_eq!(flaw, is_gone.then_some(ProxyFlaw::Hull), "{set:?} without {left_out}");
             [&mut accepted, &mut refused][usize::from(is_gone)][kind] += 1;
         }
-        let of_more = proved(&part, &proxies(&whole).to_bytes());
+        let of_more = read_and_validated(&part, &proxies(&whole).to_bytes());
         assert_eq!(of_more.err(), is_extreme.then_some(ProxyFlaw::Shape), "{set:?} without {left_out}");
     }
     assert!(refused[1..].iter().chain(&accepted).all(|&count| count * 150 > rounds), "{refused:?} {accepted:?}");
 }
 
 #[test]
-fn n34_volumes_that_are_too_small_are_refused_and_larger_ones_are_not() {
+fn volumes_that_are_too_small_are_rejected_and_larger_ones_are_accepted() {
     let mut rng = Rng::new(63);
     let points: Vec<[f64; 3]> = (0..300).map(|_| [1.0, 2.0, 0.5].map(|size| size * rng.uniform(-1.0, 1.0))).collect();
     let mesh = mesh(&points);
@@ -120,7 +125,7 @@ fn n34_volumes_that_are_too_small_are_refused_and_larger_ones_are_not() {
         let place = VOLUMES + 8 * at..VOLUMES + 8 * at + 8;
         let number = f64::from_le_bytes(bytes[place.clone()].try_into().expect("eight"));
         changed[place].copy_from_slice(&change(number).to_le_bytes());
-        proved(&mesh, &changed).map(drop)
+        read_and_validated(&mesh, &changed).map(drop)
     };
     let lows = (0..3).chain(42..49).chain(56..65).chain(74..87);
     let highs = (3..6).chain([9, 16, 26]).chain(39..42).chain(49..56).chain(65..74).chain(87..100);
@@ -149,9 +154,10 @@ fn n34_volumes_that_are_too_small_are_refused_and_larger_ones_are_not() {
     }
 }
 
-/// Thin as a unit in the last place, needles, spheres, far from the origin: proved, and a point outside is seen.
+/// Checks hulls as thin as a unit in the last place, needles, spheres and hulls far from the
+/// origin. A point outside must be detected.
 #[test]
-fn larger_hulls_are_proved_and_one_point_outside_is_seen() {
+fn larger_hulls_are_validated_and_one_point_outside_is_detected() {
     let mut rng = Rng::new(64);
     let mut unit = || -> [f64; 3] {
         loop {
@@ -179,25 +185,26 @@ fn larger_hulls_are_proved_and_one_point_outside_is_seen() {
     for (name, points) in shapes {
         let whole = mesh(&points);
         let bytes = proxies(&whole).to_bytes();
-        assert!(proved(&whole, &bytes).is_ok(), "{name}");
+        assert!(read_and_validated(&whole, &bytes).is_ok(), "{name}");
         let hull = Hull::new(&points).expect("in range");
         assert_eq!(hull.kind(), HullKind::Solid);
         for vertex in hull.vertices().iter().step_by(hull.vertices().len() / 8) {
             let part = mesh_without(&points, Some(*vertex as usize));
-            let flaw = proved(&whole, &proxies(&part).to_bytes()).err();
+            let flaw = read_and_validated(&whole, &proxies(&part).to_bytes()).err();
             assert_eq!(flaw, Some(ProxyFlaw::Hull), "{name} without {vertex}");
         }
-        // A vertex went half of the way to another one: the same numbers are another surface.
+        // A vertex has moved half of the way to another one. The same numbers describe another
+        // surface.
         let mut moved = points.clone();
         let [from, to] = [0, 1].map(|at| hull.vertices()[at] as usize);
         moved[from] = std::array::from_fn(|k| 0.5 * points[from][k] + 0.5 * points[to][k]);
-        assert_eq!(proved(&mesh(&moved), &bytes).err(), Some(ProxyFlaw::Hull), "{name}");
+        assert_eq!(read_and_validated(&mesh(&moved), &bytes).err(), Some(ProxyFlaw::Hull), "{name}");
     }
 }
 
-/// What is not refused is true, however the bytes came about.
+/// Checks that spoiled proxies which are accepted are correct anyway.
 #[test]
-fn n34_spoiled_proxies_are_refused_or_harmless() {
+fn spoiled_proxies_are_rejected_or_harmless() {
     let mut rng = Rng::new(65);
     let (mut unread, mut refused, mut harmless) = (0, 0, 0);
     let rounds = rounds(2_000);
@@ -229,10 +236,10 @@ fn n34_spoiled_proxies_are_refused_or_harmless() {
             unread += 1;
             continue;
         };
-        // Believed or not, no question panics.
+        // Valid or not, no query panics.
         let hull = read.hull();
-        let told = [hull.support([1.0, -2.0, 0.5]), hull.support_from([-3.0, 1.0, 1.0], 0)];
-        assert!(told.iter().all(|&vertex| (vertex as usize) < hull.vertices().len()));
+        let found = [hull.support([1.0, -2.0, 0.5]), hull.support_from([-3.0, 1.0, 1.0], 0)];
+        assert!(found.iter().all(|&vertex| (vertex as usize) < hull.vertices().len()));
         let _ = hull.contains([0.5; 3]);
         if mesh.validate_proxies(&read).is_err() {
             refused += 1;

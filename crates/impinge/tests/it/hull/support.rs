@@ -1,4 +1,4 @@
-//! Who is farthest along a direction: by looking at all vertices and by climbing, against rationals.
+//! Support vertices of hulls: by scanning all vertices and by climbing, against rationals.
 
 use dashu_ratio::RBig;
 use impinge::hull::Hull;
@@ -6,7 +6,7 @@ use impinge_testkit::generate::{Rng, cos, sin};
 
 use crate::hull::oracle::{FAMILIES, floats, small_set};
 
-/// The first vertex with the greatest exact value.
+/// Returns the first vertex with the largest exact dot product.
 fn farthest(hull: &Hull, direction: [f64; 3]) -> u32 {
     let exact = |x: f64| RBig::try_from(x).expect("finite");
     let value = |p: &[f64; 3]| (0..3).map(|k| exact(direction[k]) * exact(p[k])).fold(RBig::ZERO, |sum, x| sum + x);
@@ -15,7 +15,7 @@ fn farthest(hull: &Hull, direction: [f64; 3]) -> u32 {
     values.iter().position(|x| x == most).expect("it is one of them") as u32
 }
 
-/// Directions with many ties, and others of any size.
+/// Returns a direction: many have ties, others have any length.
 fn direction(rng: &mut Rng, case: usize) -> [f64; 3] {
     match case % 5 {
         0 => std::array::from_fn(|_| rng.integer(-1, 1) as f64),
@@ -25,13 +25,13 @@ fn direction(rng: &mut Rng, case: usize) -> [f64; 3] {
             let scale = rng.choose(&[1e-320, 1e-300, 1e300, 1e308]);
             std::array::from_fn(|_| scale * rng.integer(-1, 1) as f64)
         }
-        // Next to a direction with ties.
+        // Close to a direction with ties.
         _ => std::array::from_fn(|_| rng.integer(-1, 1) as f64 + rng.integer(-1, 1) as f64 * 1e-16),
     }
 }
 
 #[test]
-fn small_hulls_from_every_vertex() {
+fn climbing_finds_the_farthest_vertex_from_every_start() {
     let mut rng = Rng::new(31);
     let mut ties = 0;
     for case in 0..3000 {
@@ -45,7 +45,7 @@ fn small_hulls_from_every_vertex() {
                 assert_eq!(hull.support_from(direction, start), expected, "{direction:?} from {start}");
             }
             let reversed = farthest(&hull, direction.map(|x| -x));
-            ties += usize::from(hull.neighbours(expected).iter().any(|&other| {
+            ties += usize::from(hull.neighbors(expected).iter().any(|&other| {
                 let along = |v: u32| (0..3).map(|k| direction[k] * hull.positions()[v as usize][k]).sum::<f64>();
                 along(other) == along(expected) && other != reversed
             }));
@@ -57,9 +57,10 @@ fn small_hulls_from_every_vertex() {
     assert_eq!(hull.support_from([1.0, f64::NAN, 0.0], 0), 1);
 }
 
-/// Prisms: both ends are plateaus of many vertices, and far from the origin all values nearly tie.
+/// Checks prisms, whose ends are plateaus of many vertices. Far from the origin all dot products
+/// nearly tie.
 #[test]
-fn plateaus_and_offsets() {
+fn climbing_passes_plateaus_near_and_far_from_the_origin() {
     let mut rng = Rng::new(32);
     for offset in [0.0, 1e7] {
         let sides = 500;

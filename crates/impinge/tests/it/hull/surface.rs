@@ -1,16 +1,18 @@
-//! What is true of the surface of every hull, checked by integers or rationals.
+//! Properties of the surface of every hull, checked with integers or rationals.
 
 use std::collections::HashMap;
 
 use impinge::hull::{Hull, HullKind};
 
-/// Checks faces and neighbours: a closed surface that every point is inside or on, with `side(face corners, point)` as the
-/// exact sign of a volume.
+/// Checks faces and neighbors of a hull: the surface must be closed, and every point must be inside
+/// or on it.
+///
+/// `side(face corners, point)` must return the exact sign of a volume.
 pub(crate) fn check(hull: &Hull, points: impl Iterator<Item = [f64; 3]>, side: impl Fn([[f64; 3]; 4]) -> i32) {
     let positions = hull.positions();
     let at = |vertex: u32| positions[vertex as usize];
     let corners: Vec<[[f64; 3]; 3]> = hull.faces().iter().map(|face| face.map(at)).collect();
-    // Every directed edge once, and its opposite too.
+    // Every directed edge must occur once, and its opposite too.
     let mut faces_at = HashMap::new();
     for (number, face) in hull.faces().iter().enumerate() {
         for edge in 0..3 {
@@ -23,19 +25,20 @@ pub(crate) fn check(hull: &Hull, points: impl Iterator<Item = [f64; 3]>, side: i
         "an edge has a face on one side only"
     );
     match hull.kind() {
-        HullKind::Point => assert!(positions.len() == 1 && corners.is_empty() && hull.neighbours(0).is_empty()),
+        HullKind::Point => assert!(positions.len() == 1 && corners.is_empty() && hull.neighbors(0).is_empty()),
         HullKind::Segment => {
             assert!(positions.len() == 2 && corners.is_empty());
-            assert!(hull.neighbours(0) == [1] && hull.neighbours(1) == [0]);
+            assert!(hull.neighbors(0) == [1] && hull.neighbors(1) == [0]);
         }
         HullKind::Polygon | HullKind::Solid => {
             let edges = faces_at.len() / 2;
             assert_eq!(positions.len() + corners.len(), edges + 2, "not a sphere");
         }
     }
-    // An edge of triangles is an edge of the hull where the faces at it are not one, that is not in one plane with corners
-    // on either side of the edge. The two sides of a polygon are in one plane, with their corners on the same side.
-    let mut neighbours = vec![Vec::new(); positions.len()];
+    // An edge of triangles is an edge of the hull unless the two faces at it lie in one plane with
+    // their third corners on opposite sides. The two sides of a polygon lie in one plane with their
+    // corners on the same side.
+    let mut neighbors = vec![Vec::new(); positions.len()];
     for (&(from, to), &face) in &faces_at {
         let opposite = faces_at[&(to, from)];
         let third = |face: usize| hull.faces()[face].into_iter().find(|&corner| corner != from && corner != to);
@@ -48,13 +51,13 @@ pub(crate) fn check(hull: &Hull, points: impl Iterator<Item = [f64; 3]>, side: i
             }
         };
         if is_edge {
-            neighbours[from as usize].push(to);
+            neighbors[from as usize].push(to);
         }
     }
     if hull.kind() >= HullKind::Polygon {
-        for (vertex, expected) in neighbours.iter_mut().enumerate() {
+        for (vertex, expected) in neighbors.iter_mut().enumerate() {
             expected.sort_unstable();
-            assert_eq!(hull.neighbours(vertex as u32), expected, "neighbours of {vertex}");
+            assert_eq!(hull.neighbors(vertex as u32), expected, "neighbors of {vertex}");
         }
     }
     for point in points {
@@ -64,7 +67,8 @@ pub(crate) fn check(hull: &Hull, points: impl Iterator<Item = [f64; 3]>, side: i
     }
 }
 
-/// Which of the two sides of a polygon a triangle is of: faces are ordered, fans start at vertex 0, and the next corner tells.
+/// Reports whether a triangle of a polygon is on the same side as face 0, by the direction of its
+/// normal.
 fn number_of_side(hull: &Hull, face: usize) -> bool {
     let normal = |face: usize| {
         let [p, q, r] = hull.faces()[face].map(|corner| hull.positions()[corner as usize]);

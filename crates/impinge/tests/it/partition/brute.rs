@@ -1,4 +1,7 @@
-//! The oracle: every box is looked at, and compared by its numbers.
+//! Oracle: compares every box by its numbers.
+//!
+//! The time is linear in the number of boxes, and quadratic for pairs. It checks every kind of
+//! `impinge::partition`.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -9,25 +12,25 @@ use impinge::volume::MinMax;
 /// Boxes by key.
 pub(crate) type Boxes = BTreeMap<u32, MinMax>;
 
-pub(crate) fn meet(a: &MinMax, b: &MinMax) -> bool {
+pub(crate) fn overlap(a: &MinMax, b: &MinMax) -> bool {
     (0..3).all(|k| a.min()[k] <= b.max()[k] && b.min()[k] <= a.max()[k])
 }
 
 pub(crate) fn pairs(boxes: &Boxes) -> Vec<[u32; 2]> {
     let mut pairs = Vec::new();
     for (&one, a) in boxes {
-        pairs.extend(boxes.range(one + 1..).filter(|(_, b)| meet(a, b)).map(|(&other, _)| [one, other]));
+        pairs.extend(boxes.range(one + 1..).filter(|(_, b)| overlap(a, b)).map(|(&other, _)| [one, other]));
     }
     pairs
 }
 
 pub(crate) fn pairs_between(ones: &Boxes, others: &Boxes) -> Vec<[u32; 2]> {
-    let with = |(&one, a)| others.iter().filter(move |(_, b)| meet(a, b)).map(move |(&other, _)| [one, other]);
+    let with = |(&one, a)| others.iter().filter(move |(_, b)| overlap(a, b)).map(move |(&other, _)| [one, other]);
     ones.iter().flat_map(with).collect()
 }
 
 pub(crate) fn overlapping(boxes: &Boxes, bounds: &MinMax) -> Vec<u32> {
-    boxes.iter().filter(|(_, b)| meet(b, bounds)).map(|(&key, _)| key).collect()
+    boxes.iter().filter(|(_, b)| overlap(b, bounds)).map(|(&key, _)| key).collect()
 }
 
 pub(crate) fn at(boxes: &Boxes, point: [f64; 3]) -> Vec<u32> {
@@ -35,7 +38,8 @@ pub(crate) fn at(boxes: &Boxes, point: [f64; 3]) -> Vec<u32> {
     boxes.iter().filter(|(_, b)| holds(b)).map(|(&key, _)| key).collect()
 }
 
-/// Each box that the ray enters, by the public predicate on single boxes, whose own truth is tested beside it.
+/// Returns each box that the ray enters, by the public predicate on single boxes, which has its own
+/// tests.
 pub(crate) fn ray(boxes: &Boxes, ray: &Ray) -> Vec<(u32, f64)> {
     boxes.iter().filter_map(|(&key, b)| ray.enters(b).map(|t| (key, t))).collect()
 }
@@ -51,7 +55,7 @@ pub(crate) fn nearest(boxes: &Boxes, point: [f64; 3], count: usize) -> Vec<(u32,
     all
 }
 
-/// What a partition finds, sorted; each key once.
+/// Returns the keys that a search visits, sorted. Panics if a key is visited twice.
 pub(crate) fn found(search: impl FnOnce(&mut dyn FnMut(u32) -> ControlFlow<()>) -> ControlFlow<()>) -> Vec<u32> {
     let mut keys = Vec::new();
     let flow = search(&mut |key| {
@@ -66,7 +70,7 @@ pub(crate) fn found(search: impl FnOnce(&mut dyn FnMut(u32) -> ControlFlow<()>) 
     keys
 }
 
-/// Asks a partition everything at once; returns how many boxes the questions found.
+/// Compares all queries of a partition with the oracle, and returns the number of boxes found.
 pub(crate) fn compare(partition: &dyn Partition, boxes: &Boxes, questions: &Questions, name: &str) -> usize {
     let mut hits = 0;
     assert_eq!(partition.len(), boxes.len(), "{name}");
@@ -96,7 +100,7 @@ pub(crate) fn compare(partition: &dyn Partition, boxes: &Boxes, questions: &Ques
         entered.sort_by_key(|entry| entry.0);
         let expected = ray(boxes, question);
         assert_eq!(entered, expected, "{name}: {question:?}");
-        // The first one, by a reach that shrinks.
+        // The first box, found with a reach that shrinks.
         let mut first = f64::INFINITY;
         partition.ray(question, &mut |visit| {
             first = first.min(visit.t);
@@ -108,7 +112,7 @@ pub(crate) fn compare(partition: &dyn Partition, boxes: &Boxes, questions: &Ques
     hits
 }
 
-/// What is asked of each partition.
+/// Queries for each partition.
 #[derive(Default)]
 pub(crate) struct Questions {
     pub(crate) boxes: Vec<MinMax>,

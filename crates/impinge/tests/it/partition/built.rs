@@ -1,4 +1,4 @@
-//! Partitions that are built at once.
+//! Partitions that are built at once from all boxes.
 
 use impinge::partition::{KdTree, Partition};
 use impinge::volume::MinMax;
@@ -28,7 +28,7 @@ fn every_kind_that_is_built_answers_as_brute_force() {
 }
 
 #[test]
-fn points_near_points_with_ties() {
+fn nearest_points_with_ties_agree_with_brute_force() {
     let mut rng = Rng::new(91);
     for coarse in [false, true] {
         let place = |rng: &mut Rng| -> [f64; 3] {

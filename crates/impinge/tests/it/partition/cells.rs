@@ -1,4 +1,4 @@
-//! Grids where cells look alike: steps of many moves among boxes of which most are in cells that differ by multiples of eight.
+//! Grids under steps of many moves, with boxes in cells that differ by multiples of eight.
 
 use impinge::partition::{Changes, Dynamic, HashedGrid, HierarchicalGrid, Move, UniformGrid};
 use impinge::volume::MinMax;
@@ -6,13 +6,17 @@ use impinge_testkit::generate::Rng;
 
 use crate::partition::brute::{self, Boxes};
 
-/// Cells have edges of 1. Corners are on parts of cells that grids tell apart, or between them; boxes are up to 20 cells long
-/// along one axis, and flat along others.
+/// Returns a box for grids with cells of size 1.
+///
+/// Corners lie at fractions of cells that grids distinguish, or between them. Boxes are up to 20
+/// cells long along one axis, and may be flat along others.
 fn draw(rng: &mut Rng) -> MinMax {
     let long = rng.integer(0, 5);
     let low = [0; 3].map(|_: i32| {
-        let alike = 8.0 * rng.integer(-1, 1) as f64;
-        alike + rng.choose(&[0.0, 0.25, 0.5, 1.0 / 256.0, 1.0 / 300.0]) + if rng.one_in(3) { rng.unit() } else { 0.0 }
+        let multiple = 8.0 * rng.integer(-1, 1) as f64;
+        multiple
+            + rng.choose(&[0.0, 0.25, 0.5, 1.0 / 256.0, 1.0 / 300.0])
+            + if rng.one_in(3) { rng.unit() } else { 0.0 }
     });
     let high = std::array::from_fn(|k| {
         let extent = if k as i64 == long { rng.integer(0, 20) as f64 } else { rng.choose(&[0.0, 0.25, 0.5, 1.5]) };
@@ -29,19 +33,21 @@ fn nudge(bounds: &MinMax, rng: &mut Rng) -> MinMax {
 }
 
 #[test]
-fn steps_of_many_moves_among_cells_that_look_alike() {
+fn steps_of_many_moves_among_similar_cells_agree_with_brute_force() {
     let (began, pairs, twice) = follow(250, 400);
-    assert!(began > 2_000 && pairs > 40_000 && twice > 2_000, "{began} began, {pairs} were, {twice} twice");
+    assert!(began > 2_000 && pairs > 40_000 && twice > 2_000, "{began} began, {pairs} pairs, {twice} twice");
 }
 
 #[test]
-fn few_boxes_whose_cells_share_places() {
+fn few_boxes_in_similar_cells_agree_with_brute_force() {
     let (began, pairs, _) = follow(16, 4_000);
-    assert!(began > 1_000 && pairs > 1_000, "{began} began, {pairs} were");
+    assert!(began > 1_000 && pairs > 1_000, "{began} began, {pairs} pairs");
 }
 
-/// Runs so many steps with keys below `keys`; how many pairs began, how many there were in all steps, and how many moves were
-/// of boxes that had moved in the same step.
+/// Runs steps with keys below `keys` and compares each with brute force.
+///
+/// Returns the number of pairs that began, the number of pairs summed over all steps, and the
+/// number of moves of boxes that had already moved in the same step.
 fn follow(keys: i64, steps: usize) -> (usize, usize, usize) {
     let all = MinMax::new([-20.0; 3], [25.0; 3]).expect("in range");
     let mut grids: Vec<(&str, Box<dyn Dynamic>)> = vec![
@@ -55,7 +61,7 @@ fn follow(keys: i64, steps: usize) -> (usize, usize, usize) {
     for step in 0..steps {
         let mut moves: Vec<Move> = Vec::new();
         for _ in 0..40 {
-            // Some move twice in a step, near to each other or far apart in it.
+            // Some boxes move twice in a step, by a little or far.
             let key = match moves.last() {
                 Some(last) if rng.one_in(8) => last.key,
                 _ => rng.integer(0, keys - 1) as u32,

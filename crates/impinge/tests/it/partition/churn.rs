@@ -1,4 +1,4 @@
-//! Thousands of steps in which boxes come, go, move a little and leap.
+//! Thousands of steps in which boxes are added, removed, moved a little, and moved far.
 
 use std::ops::ControlFlow;
 
@@ -11,7 +11,7 @@ use crate::partition::brute::{self, Boxes};
 use crate::partition::kinds::dynamic;
 use crate::partition::scenes::{ALL, Scene};
 
-/// Keys are below this.
+/// Upper limit of keys, exclusive.
 const KEYS: i64 = 120;
 
 fn moves(scene: Scene, boxes: &Boxes, rng: &mut Rng, count: usize) -> Vec<Move> {
@@ -80,13 +80,13 @@ fn every_kind_follows_brute_force_through_thousands_of_steps() {
             steps_with_pairs += usize::from(!now.is_empty());
             pairs = now;
         }
-        // A scene in which nothing meets, or nothing changes, would prove nothing.
+        // A scene without pairs, or without changes, would test nothing.
         assert!(began > steps / 4 && ended > steps / 4, "{scene:?}: {began} began, {ended} ended");
         assert!(
             2 * steps_with_pairs > steps && found > steps,
             "{scene:?}: {steps_with_pairs} with pairs, {found} found"
         );
-        // And to nothing again.
+        // Remove all boxes.
         for (name, partition) in &mut partitions {
             for key in 0..KEYS as u32 {
                 assert_eq!(partition.remove(key), boxes.get(&key).copied(), "{name}");
@@ -116,7 +116,7 @@ fn the_order_of_insertion_changes_no_pairs() {
 }
 
 #[test]
-fn pairs_between_two_partitions_of_any_kinds() {
+fn pairs_between_two_partitions_agree_with_brute_force() {
     let mut hits = 0;
     for scene in [Scene::Grid, Scene::Sizes] {
         let mut rng = Rng::new(78);
@@ -148,7 +148,7 @@ fn pairs_between_two_partitions_of_any_kinds() {
 fn searches_stay_short_under_steady_churn() {
     const BOXES: u32 = 500;
     let scene = Scene::Spread;
-    // 500 boxes of volume one in the space of 4,000, as in the benchmark.
+    // 500 boxes of volume 1 in a volume of about 4,000, as in the benchmark `partitions`.
     let wide = |rng: &mut Rng| {
         let low = [0; 3].map(|_: i32| rng.uniform(0.0, 15.0));
         MinMax::new(low, low.map(|x| x + 1.0)).expect("in range")

@@ -1,4 +1,4 @@
-//! The sweep of columns on more boxes than brute force would like, and on any number of threads.
+//! The sweep of columns with thousands of boxes, and on several numbers of threads.
 
 use impinge::partition::{BoxTree, ColumnSweep, Partition};
 use impinge::volume::MinMax;
@@ -8,8 +8,8 @@ use crate::partition::brute;
 use crate::partition::scenes::{ALL, Scene};
 
 #[test]
-fn every_scene_of_hundreds_to_thousands() {
-    // One finder for all, whose memory must not remember.
+fn pairs_of_every_scene_agree_with_brute_force() {
+    // One finder serves all scenes, so that memory of earlier calls would show.
     let mut columns = ColumnSweep::new();
     let mut pairs = Vec::new();
     for scene in ALL {
@@ -25,7 +25,8 @@ fn every_scene_of_hundreds_to_thousands() {
     }
 }
 
-/// Shapes of scenes that are hard on grids: flat, long, with few large among many small, and all sizes.
+/// Returns boxes in scenes that are hard for grids: flat, long, with a few large boxes among many
+/// small ones, and of all sizes.
 fn shaped(kind: usize, count: usize, rng: &mut Rng) -> Vec<MinMax> {
     let side = (8.0 * count as f64).cbrt();
     (0..count)
@@ -48,7 +49,7 @@ fn shaped(kind: usize, count: usize, rng: &mut Rng) -> Vec<MinMax> {
 }
 
 #[test]
-fn tens_of_thousands_as_the_tree_has_them_on_any_number_of_threads() {
+fn pairs_of_36000_boxes_agree_with_the_tree_on_any_number_of_threads() {
     let mut rng = Rng::new(81);
     for kind in 0..6 {
         let boxes = shaped(kind, 36_000, &mut rng);

@@ -1,4 +1,4 @@
-//! The ends of the range, nothing at all, and searches that are cut short.
+//! Partitions at the limits of the range, empty, and with searches that are stopped.
 
 use std::ops::ControlFlow;
 
@@ -10,7 +10,7 @@ use crate::partition::kinds::dynamic;
 use crate::partition::scenes::{ALL, Scene};
 
 #[test]
-fn nothing_is_found_in_nothing() {
+fn an_empty_partition_finds_nothing() {
     for (name, mut partition) in dynamic(Scene::Grid) {
         let all = MinMax::new([-1e90; 3], [1e90; 3]).expect("in range");
         assert!(partition.is_empty() && partition.bounds().is_none() && partition.pairs().is_empty(), "{name}");
@@ -22,7 +22,7 @@ fn nothing_is_found_in_nothing() {
 }
 
 #[test]
-fn the_largest_and_the_smallest_boxes() {
+fn the_largest_and_smallest_boxes_agree_with_brute_force() {
     let limit = 2.0_f64.powi(320);
     let tiny = f64::from_bits(1);
     let corners = [
@@ -64,7 +64,7 @@ fn the_largest_and_the_smallest_boxes() {
 }
 
 #[test]
-fn a_search_ends_when_the_visitor_says_so() {
+fn a_search_ends_when_the_visitor_breaks() {
     for (name, mut partition) in dynamic(Scene::Grid) {
         for key in 0..50 {
             partition.insert(key, MinMax::new([f64::from(key % 5); 3], [6.0; 3]).expect("in range"));

@@ -1,4 +1,4 @@
-//! Every kind of partition that boxes come to and go from, by name.
+//! Every kind of partition, by name.
 
 use impinge::partition::{
     Axis, BoxTree, BspTree, Dynamic, HashedGrid, HierarchicalGrid, KdTree, LooseOctree, Octree, Partition,
@@ -8,7 +8,7 @@ use impinge::volume::MinMax;
 
 use crate::partition::scenes::Scene;
 
-/// One of each kind, empty, as suits the scene or does not.
+/// Returns an empty partition of each dynamic kind. Cell sizes suit the scene or do not.
 pub(crate) fn dynamic(scene: Scene) -> Vec<(&'static str, Box<dyn Dynamic>)> {
     let (origin, size) = scene.place();
     let cells = MinMax::new(origin, origin.map(|x| x + size)).expect("in range");
@@ -28,7 +28,7 @@ pub(crate) fn dynamic(scene: Scene) -> Vec<(&'static str, Box<dyn Dynamic>)> {
     ]
 }
 
-/// One of each kind that is built, over these boxes.
+/// Returns a partition of each static kind over the boxes.
 pub(crate) fn built(boxes: &[MinMax]) -> Vec<(&'static str, Box<dyn Partition>)> {
     vec![
         ("k-d tree", Box::new(KdTree::build(boxes))),

@@ -1,4 +1,5 @@
-//! Space partitions against brute force: every kind, every question, over thousands of random steps with churn.
+//! Space partitions against brute force: every kind and every query, over thousands of random
+//! steps.
 
 mod brute;
 mod built;

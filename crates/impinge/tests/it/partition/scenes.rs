@@ -1,4 +1,4 @@
-//! Random boxes of many kinds, biased towards ties.
+//! Random boxes of many kinds, with many ties.
 
 use impinge::partition::Ray;
 use impinge::volume::MinMax;
@@ -6,20 +6,20 @@ use impinge_testkit::generate::Rng;
 
 use crate::partition::brute::Questions;
 
-/// How boxes are drawn.
+/// Distribution of random boxes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Scene {
-    /// Corners on a grid of whole numbers: faces touch, boxes repeat, some are flat, lines or points.
+    /// Corners are integers: faces touch, boxes repeat, and some boxes are flat, lines or points.
     Grid,
-    /// Sizes about one, anywhere.
+    /// Sizes of about 1, distributed uniformly.
     Spread,
-    /// Sizes over a ratio of 1e9, the huge ones about everything.
+    /// Sizes over a ratio of 1e9. The largest boxes overlap nearly everything.
     Sizes,
-    /// Far from the origin, where floats are coarse.
+    /// Far from the origin, where doubles are coarse.
     Far,
-    /// All the same, or points in one place.
+    /// Equal boxes, or points in one place.
     Coincident,
-    /// A tight cluster and a few boxes extremely far away.
+    /// A tight cluster, and a few boxes extremely far away.
     Outliers,
 }
 
@@ -27,7 +27,7 @@ pub(crate) const ALL: [Scene; 6] =
     [Scene::Grid, Scene::Spread, Scene::Sizes, Scene::Far, Scene::Coincident, Scene::Outliers];
 
 impl Scene {
-    /// The origin of the scene and about how far it goes from there.
+    /// Returns the origin of the scene and its approximate extent from there.
     pub(crate) fn place(self) -> ([f64; 3], f64) {
         match self {
             Self::Grid => ([0.0; 3], 12.0),
@@ -67,7 +67,7 @@ impl Scene {
         }
     }
 
-    /// A box a little away from another one, and a little larger or smaller.
+    /// Returns a box near another one, and a little larger or smaller.
     pub(crate) fn nudge(self, bounds: &MinMax, rng: &mut Rng) -> MinMax {
         let step = match self {
             Self::Grid | Self::Coincident => 1.0,

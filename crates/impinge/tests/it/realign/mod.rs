@@ -1,4 +1,5 @@
-//! Realigned boxes: all tight ways against exact integers, bit for bit; the others hold what the tight ones hold.
+//! Realigned boxes: every tight method against exact integers, bit for bit. Boxes of the loose
+//! methods must contain the tight box.
 
 mod real;
 mod small;

@@ -1,4 +1,4 @@
-//! The human that travels with the project, through small steps and any turns.
+//! The human mesh of the repository, under small steps and arbitrary turns.
 
 use impinge::Pose;
 use impinge::hull::Hull;
@@ -6,7 +6,7 @@ use impinge_testkit::generate::Rng;
 
 use crate::realign::ways::{Ways, any_rotation};
 
-/// The vertices of the human.
+/// Returns the vertices of the human mesh.
 fn human() -> Vec<[f64; 3]> {
     let bytes = include_bytes!("../../../../../data/human_makehuman_cc0.ply");
     let end = b"end_header\n";
@@ -20,7 +20,7 @@ fn human() -> Vec<[f64; 3]> {
 }
 
 #[test]
-fn the_human_turns() {
+fn boxes_of_the_turning_human_are_exact() {
     let points = human();
     let hull = Hull::new(&points).expect("legal");
     let mut ways = Ways::new(&points, &hull, [0.0, 0.9, 0.0]);

@@ -8,7 +8,7 @@ use impinge_testkit::generate::{Rng, poses};
 
 use crate::realign::ways::{Ways, any_rotation, turned};
 
-/// Points of a coarse grid, many of them equal, in some scale and at some offset.
+/// Returns points of a coarse grid with many duplicates, at one of several scales and offsets.
 fn points(rng: &mut Rng, case: usize) -> Vec<[f64; 3]> {
     let count = rng.integer(1, 40) as usize;
     let scale = [1.0, 0.1, 1e-6, 1e6][case % 4];
@@ -19,9 +19,9 @@ fn points(rng: &mut Rng, case: usize) -> Vec<[f64; 3]> {
 fn pose(rng: &mut Rng, case: usize) -> Pose {
     let translation = std::array::from_fn(|_| rng.choose(&[0.0, 1.0, -0.1, 1e7, 1e-9]));
     match case % 6 {
-        // Axes on axes: every face of the grid is a plateau.
+        // Axes map to axes, so every face of the grid is a plateau.
         0 => Pose::new(poses::cube_symmetry(rng), translation).expect("legal"),
-        // Half of a right angle, and angles with equal sine and cosine entries.
+        // Half of a right angle, and turns whose matrix has equal entries.
         1 => turned([1.0, 0.0, 0.0, std::f64::consts::SQRT_2 - 1.0], translation),
         2 => turned(std::array::from_fn(|k| if k == 0 { 3.0 } else { rng.integer(-1, 1) as f64 }), translation),
         3 => any_rotation(rng, translation),
@@ -35,7 +35,7 @@ fn pose(rng: &mut Rng, case: usize) -> Pose {
 }
 
 #[test]
-fn tight_ways_have_the_bits_of_the_exact_box() {
+fn tight_methods_have_the_bits_of_the_exact_box() {
     let mut rng = Rng::new(51);
     let mut rounded = 0;
     for case in 0..4000 {
@@ -46,7 +46,7 @@ fn tight_ways_have_the_bits_of_the_exact_box() {
         for turn in 0..4 {
             let pose = pose(&mut rng, case + turn);
             let exact = ways.check(&pose);
-            // Where rounding to nearest would have cut a point off.
+            // Rounding to nearest would cut a point off.
             let nearest = points.iter().map(|&point| pose.apply(point)).any(|image| !exact.contains(image));
             let inner = points.iter().map(|&point| pose.apply(point)).fold(0, |inner, image| {
                 inner + usize::from((0..3).any(|k| exact.min()[k] == image[k] || exact.max()[k] == image[k]))
@@ -57,9 +57,9 @@ fn tight_ways_have_the_bits_of_the_exact_box() {
     assert!(rounded > 1000, "{rounded}");
 }
 
-/// A thousand turns, each a little further, and not one of them grows a box beyond what a single turn would.
+/// Checks that 1,000 turns, each a little further, grow no box beyond the box of a single turn.
 #[test]
-fn boxes_do_not_grow() {
+fn boxes_do_not_grow_over_many_turns() {
     let bounds = MinMax::new([-1.0, -2.0, -3.0], [1.0, 2.0, 3.0]).expect("legal");
     let corners = [[-1.0, -2.0, -3.0], [1.0, 2.0, 3.0]];
     let mut rotated = RotatedBox::new(&bounds);
@@ -75,13 +75,13 @@ fn boxes_do_not_grow() {
         assert_eq!(loose.realign(&pose), first);
         wrapped = wrapped.moved(&step).expect("in range");
     }
-    // What the Notes warn of: a box of the last box.
+    // The documentation warns of this: a box around the previous box grows without limit.
     assert!(wrapped.max()[0] > 1000.0, "{wrapped:?}");
 }
 
-/// Poses and points of every size that is legal.
+/// Checks poses and points of every valid size.
 #[test]
-fn extreme_sizes_stay_bounded() {
+fn boxes_of_extreme_sizes_are_exact() {
     let mut rng = Rng::new(53);
     for case in 0..600 {
         let powers = [-120, -60, 0, 60, 126];
@@ -97,9 +97,9 @@ fn extreme_sizes_stay_bounded() {
     }
 }
 
-/// Many boxes at once are the boxes one by one.
+/// Checks that batches give the same boxes as single calls.
 #[test]
-fn batches_are_the_single_boxes() {
+fn batches_give_the_same_boxes_as_single_calls() {
     let mut rng = Rng::new(54);
     let boxes: Vec<RotatedBox> =
         (0..1001).map(|case| RotatedBox::new(&MinMax::of(&points(&mut rng, case)).expect("legal"))).collect();

@@ -1,4 +1,4 @@
-//! Every way asked at every pose.
+//! All methods of realigning boxes, compared at each pose.
 
 use impinge::Pose;
 use impinge::hull::Hull;
@@ -8,7 +8,7 @@ use impinge_testkit::Affine;
 use impinge_testkit::generate::Rng;
 use impinge_testkit::oracle::{WorldBox, tight_box};
 
-/// All ways for one set of points.
+/// All methods for one set of points.
 pub(crate) struct Ways<'p> {
     points: &'p [[f64; 3]],
     tight: Vec<(&'static str, Box<dyn Realign + 'p>)>,
@@ -31,7 +31,7 @@ impl<'p> Ways<'p> {
         }
     }
 
-    /// Compares every way with the exact box, which is returned; the looseness of the loose ones is added up.
+    /// Checks every method against the exact box, and returns the exact box.
     pub(crate) fn check(&mut self, pose: &Pose) -> MinMax {
         let affine = Affine::new(*pose.linear(), *pose.translation());
         let WorldBox { low, high } = tight_box(self.points, &affine);
@@ -47,7 +47,7 @@ impl<'p> Ways<'p> {
     }
 }
 
-/// A rotation by the quaternion of four numbers.
+/// Returns the rotation of a quaternion, which is normalized first.
 pub(crate) fn turned(quaternion: [f64; 4], translation: [f64; 3]) -> Pose {
     let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
     Pose::from_quaternion_wxyz(translation, quaternion.map(|x| x / length)).expect("of length 1")

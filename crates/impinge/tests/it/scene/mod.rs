@@ -1,4 +1,4 @@
-//! Scenes answer as all pairs of parts do, asked one by one.
+//! Scenes against all pairs of parts, queried one by one.
 
 use impinge::query::batch::{Execution, Poses, Status};
 use impinge::query::{self, Penetrates};
@@ -16,7 +16,8 @@ fn grid_pose(rng: &mut Rng, reach: i64) -> Pose {
     Pose::from_translation([0; 3].map(|_| 0.5 * rng.integer(-reach, reach) as f64)).unwrap()
 }
 
-/// Boxes, balls, meshes, solids, compounds, an empty mesh and a half-space, at places where many touch.
+/// Returns a scene of boxes, spheres, meshes, solids, compounds, empty meshes and half-spaces,
+/// placed so that many touch.
 fn scene(rng: &mut Rng, count: i64) -> Scene {
     let (block, ball) = (mesh(&cuboid([-0.5; 3], [0.5; 3])), mesh(&icosphere(1)));
     let bar = Shape::cuboid([1.0, 0.25, 0.25]).unwrap();
@@ -33,7 +34,7 @@ fn scene(rng: &mut Rng, count: i64) -> Scene {
     ];
     let mut scene = Scene::new();
     for number in 0..count {
-        // One in many is empty or has no end.
+        // One in twelve is empty or unbounded.
         let kind = if rng.one_in(12) { rng.integer(5, 6) } else { rng.integer(0, 4) };
         scene.add(format!("part {number}"), &shapes[kind as usize], grid_pose(rng, 9)).unwrap();
     }
@@ -56,11 +57,11 @@ fn holds(scene: &Scene, question: Question, [a, b]: [PartId; 2], poses: [&Pose; 
 }
 
 #[test]
-fn every_pair_of_parts_is_found_and_no_other() {
+fn scenes_report_the_pairs_of_brute_force() {
     let mut rng = Rng::new(482);
     let (mut hits, mut asked) = (0, 0);
     for round in 0..rounds(60) {
-        // Few parts are compared one by one, many are swept.
+        // The scene compares few parts one by one, and sweeps many.
         let count = if round.is_multiple_of(3) { 60 } else { rng.integer(0, 12) };
         let scene = scene(&mut rng, count);
         let parts: Vec<PartId> = scene.parts().collect();
@@ -68,8 +69,8 @@ fn every_pair_of_parts_is_found_and_no_other() {
         let mut moves = scene.configurations();
         let mut places: Vec<Vec<Pose>> = Vec::new();
         for &part in &parts {
-            let stands = rng.one_in(2);
-            let poses: Vec<Pose> = (0..if stands { 1 } else { rows }).map(|_| grid_pose(&mut rng, 9)).collect();
+            let is_fixed = rng.one_in(2);
+            let poses: Vec<Pose> = (0..if is_fixed { 1 } else { rows }).map(|_| grid_pose(&mut rng, 9)).collect();
             moves.set(part, poses.clone()).unwrap();
             places.push(poses);
         }
@@ -99,7 +100,7 @@ fn every_pair_of_parts_is_found_and_no_other() {
 }
 
 #[test]
-fn a_scene_as_it_stands_is_one_configuration() {
+fn a_scene_without_moves_is_one_configuration() {
     let mut rng = Rng::new(483);
     let scene = scene(&mut rng, 40);
     let found = scene.check(Question::Intersects, Stop::All, &scene.configurations(), Execution::default()).unwrap();
@@ -110,7 +111,7 @@ fn a_scene_as_it_stands_is_one_configuration() {
 }
 
 #[test]
-fn faulty_poses_count_as_near_everything() {
+fn invalid_poses_count_as_hits_with_every_part() {
     let ball = Shape::sphere([0.0; 3], 0.5).unwrap();
     let at = |x: f64| Pose::from_translation([x, 0.0, 0.0]).unwrap();
     let mut scene = Scene::new();

@@ -1,4 +1,4 @@
-//! The depth of two boxes against the separating axes in rationals.
+//! Penetration depth of two boxes against separating axes in rationals.
 
 use dashu_ratio::RBig;
 use impinge::Pose;
@@ -26,8 +26,9 @@ fn cross(p: &Point, q: &Point) -> Point {
     })
 }
 
-/// The square of the depth: the least overlap along the normals that the six edges' directions span in pairs. None where an
-/// overlap is negative.
+/// Returns the squared depth, or `None` if the boxes are apart.
+///
+/// It is the smallest overlap along the cross products of all pairs of edge directions.
 fn squared_depth(half: [[f64; 3]; 2], places: [&Affine; 2]) -> Option<RBig> {
     let generators: Vec<Point> = (0..2)
         .flat_map(|i| {
@@ -60,7 +61,7 @@ fn squared_depth(half: [[f64; 3]; 2], places: [&Affine; 2]) -> Option<RBig> {
 }
 
 #[test]
-fn depths_are_those_of_the_separating_axes() {
+fn depths_of_boxes_agree_with_separating_axes() {
     let mut rng = Rng::new(54);
     let (mut meeting, mut apart, mut widest) = (0, 0, 0.0_f64);
     for case in 0..1_500 {
@@ -93,9 +94,9 @@ fn depths_are_those_of_the_separating_axes() {
     assert!(widest < 1e-12, "{widest:e}");
 }
 
-/// Two of FCL's analytic cases (`test_fcl_box_box.cpp`).
+/// Checks two of FCL's analytic cases (`test_fcl_box_box.cpp`).
 #[test]
-fn known_depths() {
+fn two_cases_of_fcl_have_their_depths() {
     let eighth = std::f64::consts::FRAC_PI_8;
     let turn = |axis, angle, translation| Pose::from_axis_angle(axis, angle, translation).unwrap();
     let unit = Shape::cuboid([0.5; 3]).unwrap();

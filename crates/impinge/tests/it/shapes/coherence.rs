@@ -1,4 +1,4 @@
-//! What is known from the last question changes no answer.
+//! Caches of shape queries, which must change no answer.
 
 use impinge::query::{self, Cache, Query};
 use impinge::{Pose, Shape};
@@ -12,7 +12,7 @@ fn caches_change_no_answer() {
     let all = Known::all();
     let mut rng = Rng::new(581);
     let mut changes = 0;
-    // One cache for all pairs too: what it says of others is only a bad start.
+    // One more cache serves all pairs. Its state of another pair is only a bad start.
     let mut shared = Cache::default();
     for a in &all {
         for b in &all {
@@ -47,8 +47,8 @@ fn caches_change_no_answer() {
 }
 
 #[test]
-fn a_cache_decides_no_more_and_no_less() {
-    // Drums and boxes that touch, or are apart by units of the last place.
+fn a_cache_changes_no_undecided_verdict() {
+    // Cylinders and boxes that touch, or are apart by units in the last place.
     let drum = Shape::cylinder(1.0, 0.5).unwrap();
     let (block, ball) = (Shape::cuboid([0.5, 0.5, 1.0]).unwrap(), Shape::sphere([0.0; 3], 1.0).unwrap());
     let mut seen = [0; 3];

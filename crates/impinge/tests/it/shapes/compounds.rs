@@ -1,4 +1,4 @@
-//! Compounds against everything else: what their parts say one by one.
+//! Compounds against their parts, queried one by one.
 
 use impinge::Pose;
 use impinge::query;
@@ -9,9 +9,9 @@ use impinge_testkit::generate::{Rng, poses};
 use crate::shapes::hulls::pose;
 use crate::shapes::support::{Known, at, engine};
 
-/// A compound is what its parts are, and names them.
+/// Checks that a compound answers as its parts do, and that contacts name the parts.
 #[test]
-fn compounds_are_their_parts() {
+fn compounds_answer_as_their_parts() {
     let mut rng = Rng::new(575);
     let all = Known::all();
     let finite: Vec<&Known> = all.iter().filter(|known| !matches!(known, Known::HalfSpace(..))).collect();
@@ -46,7 +46,7 @@ fn compounds_are_their_parts() {
             let pose = other.world_from_local();
             let moved = Pose::new(*pose.linear(), std::array::from_fn(|k| pose.translation()[k] + by[k])).unwrap();
             assert!(depth.lower <= depth.upper && depth.upper.is_finite(), "{depth:?}");
-            // Each part is at least as deep as all are at least.
+            // The lower bound of no part exceeds the upper bound of the compound.
             let deepest = singles.iter().filter_map(|part| query::penetration(part, &other)).map(|d| d.lower);
             assert!(deepest.fold(0.0, f64::max) <= depth.upper * (1.0 + 1e-9), "{depth:?}");
             assert!(moved.translation().iter().all(|x| x.is_finite()));
@@ -58,17 +58,19 @@ fn compounds_are_their_parts() {
     assert!(meeting > 1 && apart > 1, "{meeting} {apart}");
 }
 
-/// A compound of many parts, which has a tree, says what all its parts say one by one; beside single shapes, other compounds and
-/// half-spaces, and with a half-space among its parts.
+/// Checks a compound with many parts, which has a tree, against all its parts one by one.
+///
+/// The other operand is a single shape, a compound or a half-space. Some compounds contain a
+/// half-space.
 #[test]
-fn many_parts_are_asked_by_a_tree() {
+fn compounds_of_many_parts_answer_as_their_parts() {
     let mut rng = Rng::new(577);
     let all = Known::all();
     let finite: Vec<&Known> = all.iter().filter(|known| !matches!(known, Known::HalfSpace(..))).collect();
     let scattered = |rng: &mut Rng, count: usize, reach: f64| -> Vec<(Shape, Pose)> {
         let part = |rng: &mut Rng| {
             let mut place = poses::rotation(rng);
-            // On a grid, so that parts are as near as others.
+            // On a grid, so that distances tie.
             let step = |rng: &mut Rng| 3.0 * rng.integer(-4, 4) as f64;
             place.translation = [step(rng), step(rng), if rng.one_in(2) { step(rng) } else { reach * rng.unit() }];
             (rng.choose(&finite).shape(), pose(&place))

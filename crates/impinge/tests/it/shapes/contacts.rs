@@ -1,4 +1,4 @@
-//! Contact manifolds: closed forms, and laws that hold for every pair of shapes.
+//! Contact manifolds: closed forms, and properties of every pair of shapes.
 
 use impinge::Pose;
 use impinge::query::{self, ContactOptions, Feature, Manifold, Query};
@@ -23,8 +23,8 @@ fn sub(p: &[f64; 3], q: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| p[k] - q[k])
 }
 
-/// What holds of any manifold of a pair within `margin`; returns how many points there are.
-fn judge(a: &Placed, b: &Placed, manifold: &Manifold, margin: f64) -> usize {
+/// Checks the properties of a manifold of a pair within `margin`, and returns its number of points.
+fn check(a: &Placed, b: &Placed, manifold: &Manifold, margin: f64) -> usize {
     let context = || format!("{:?} {:?} against {:?} {:?}: {manifold:?}", a.known, a.place, b.known, b.place);
     let n = manifold.normal;
     assert!((dot(&n, &n) - 1.0).abs() < 1e-14, "{}", context());
@@ -38,7 +38,8 @@ fn judge(a: &Placed, b: &Placed, manifold: &Manifold, margin: f64) -> usize {
         assert!(point.lower <= point.upper && point.upper - point.lower < 1e-12, "{}", context());
         assert!((between - 0.5 * (point.lower + point.upper)).abs() < 1e-12, "{}", context());
         assert!(point.upper >= -margin || most == 1, "{}", context());
-        // Both are in their shapes, so nothing is deeper than the heights along the normal are.
+        // Both points are in their shapes, so no contact is deeper than the overlap along the
+        // normal.
         assert!(holds(a, &point.point_a, &directions) && holds(b, &point.point_b, &directions), "{}", context());
         if along_normal.is_finite() {
             assert!(point.lower <= along_normal + 1e-12, "{along_normal} {}", context());
@@ -54,7 +55,7 @@ fn judge(a: &Placed, b: &Placed, manifold: &Manifold, margin: f64) -> usize {
 }
 
 #[test]
-fn every_pair_has_contacts_exactly_where_it_meets() {
+fn every_pair_has_contacts_exactly_if_it_intersects() {
     let all = Known::all();
     let mut rng = Rng::new(561);
     let (mut meeting, mut several, mut near) = (0, 0, 0);
@@ -83,14 +84,14 @@ fn every_pair_has_contacts_exactly_where_it_meets() {
                         let forward: Vec<_> =
                             manifold.points.iter().map(|p| (p.id.feature_a, p.id.feature_b, p.upper)).collect();
                         assert_eq!(forward, ids, "{:?} {:?} {manifold:?} {back:?}", a.known, b.known);
-                        several += usize::from(judge(&a, &b, &manifold, 0.0) > 1);
+                        several += usize::from(check(&a, &b, &manifold, 0.0) > 1);
                     }
                     meeting += 1;
                 } else {
                     let margin = query::distance(&a.shape, &b.shape).upper * 1.01;
                     let options = ContactOptions { margin, ..ContactOptions::default() };
                     let manifold = only(Query::new().with_contacts(options).contacts(&a.shape, &b.shape));
-                    judge(&a, &b, &manifold, margin);
+                    check(&a, &b, &manifold, margin);
                     assert!(manifold.points.iter().all(|point| point.lower < 0.0));
                     near += 1;
                 }
@@ -100,18 +101,19 @@ fn every_pair_has_contacts_exactly_where_it_meets() {
     assert!(meeting > 250 && near > 100 && several > 40, "{meeting} {near} {several}");
 }
 
-/// A box on the floor, on another box, turned on it, hanging over: the corners of the shared polygon.
+/// Checks a box in line on another box, turned on it, hanging over it, and on a floor: contacts are
+/// the corners of the common polygon.
 #[test]
-fn boxes_on_boxes_have_the_corners_of_what_they_share() {
+fn boxes_on_boxes_have_the_corners_of_the_common_polygon() {
     let unit = Shape::cuboid([0.5; 3]).unwrap();
     let all = ContactOptions { most_points: usize::MAX, ..ContactOptions::default() };
     let base = unit.at(Pose::IDENTITY).unwrap();
-    // In line, touching: four corners, each over a corner, which are those of one of the boxes.
+    // In line and touching: four contacts, each at a corner of both boxes.
     let stacked = only(Query::new().with_contacts(all).contacts(&base, unit.at(at([0.0, 0.0, 1.0])).unwrap()));
     assert_eq!(stacked.normal, [0.0, 0.0, 1.0]);
     assert_eq!(stacked.points.len(), 4);
     assert!(stacked.points.iter().all(|p| p.lower <= 0.0 && 0.0 <= p.upper && p.point_a[2] == 0.5));
-    // Turned by an eighth: an octagon of crossings.
+    // Turned by 45 degrees: an octagon of crossings.
     let turned = Pose::from_axis_angle([0.0, 0.0, 1.0], std::f64::consts::FRAC_PI_4, [0.0, 0.0, 0.875]).unwrap();
     let octagon = only(Query::new().with_contacts(all).contacts(&base, unit.at(turned).unwrap()));
     assert_eq!(octagon.points.len(), 8, "{octagon:?}");
@@ -121,13 +123,13 @@ fn boxes_on_boxes_have_the_corners_of_what_they_share() {
         let [x, y, _] = point.point_a.map(f64::abs);
         assert!((x.max(y) - 0.5).abs() < 1e-12 && (x.min(y) - (0.5_f64.sqrt() - 0.5)).abs() < 1e-12, "{point:?}");
     }
-    // Four of them hold as far as eight do: their area is at least half of the octagon's.
+    // Four contacts reach as far as all eight.
     let four = only(query::contacts(&base, unit.at(turned).unwrap()));
     assert_eq!(four.points.len(), 4);
     assert!(four.points.iter().all(|point| octagon.points.contains(point)));
     let spread = |k: usize| four.points.iter().map(|p| p.point_a[k].abs()).fold(0.0, f64::max);
     assert!(spread(0) > 0.45 && spread(1) > 0.45, "{four:?}");
-    // Hanging over two sides: a corner of either box, and two crossings.
+    // Hanging over two sides: one corner of either box, and two crossings.
     let over = only(query::contacts(&base, unit.at(at([0.75, 0.75, 0.9375])).unwrap()));
     let kinds: Vec<_> = over.points.iter().map(|p| (p.id.feature_a, p.id.feature_b)).collect();
     let corners = kinds.iter().filter(|kind| matches!(kind, (Feature::Vertex(_), Feature::Face(_)))).count();
@@ -157,9 +159,10 @@ fn crossed_edges_have_one_contact() {
     assert_eq!((point.id.feature_a, point.id.feature_b), (Feature::Edge(6, 7), Feature::Edge(1, 3)));
 }
 
-/// Capsules and cylinders lie on two points, stand on one or on several, and touch each other in what they share.
+/// Checks capsules and cylinders that lie on two points, stand on one or several, and touch each
+/// other.
 #[test]
-fn round_shapes_lie_and_stand() {
+fn lying_and_standing_round_shapes_have_their_contacts() {
     let base = Shape::cuboid([2.0, 2.0, 0.5]).unwrap().at(Pose::IDENTITY).unwrap();
     let pill = Shape::capsule([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.25).unwrap();
     let lying = only(query::contacts(&base, pill.at(at([0.0, 0.0, 0.625])).unwrap()));
@@ -193,9 +196,10 @@ fn round_shapes_lie_and_stand() {
     assert_eq!(only(query::contacts(&cone, &base)).points.len(), 1);
 }
 
-/// Ids stay while boxes and hulls slide and rock a little, and both move as one by a symmetry of the cube.
+/// Checks that ids stay the same while boxes and hulls slide a little, and while both move by a
+/// symmetry of the cube.
 #[test]
-fn ids_stay_from_one_time_to_the_next() {
+fn contact_ids_persist_under_small_motions() {
     let mut rng = Rng::new(562);
     let unit = Known::Cuboid([0.5, 0.75, 1.0]);
     let tetrahedron = &Known::all()[9];
@@ -216,7 +220,7 @@ fn ids_stay_from_one_time_to_the_next() {
                 .collect()
         };
         let first = ids(&here, place);
-        // The same seen from elsewhere: a symmetry of the cube turns without rounding.
+        // The same pair in another frame: a symmetry of the cube turns without rounding.
         let turn = poses::cube_symmetry(&mut rng);
         let turned = |place: &Affine| {
             let by = |v: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| dot(&turn[k], &v)) };
@@ -245,10 +249,10 @@ fn ids_stay_from_one_time_to_the_next() {
     }
 }
 
-/// Round shapes deep in each other, where few steps leave the depth open and many ways out are as short: the points are those of the
-/// way that is named.
+/// Checks round shapes deep in each other, whose depth has a wide interval and many equally short
+/// directions. The contacts must match the reported direction.
 #[test]
-fn the_deepest_contact_is_as_deep_as_the_shapes() {
+fn the_deepest_contact_is_as_deep_as_the_penetration() {
     let mut rng = Rng::new(61);
     let shapes = [
         Shape::ellipsoid([1.0, 0.5, 0.75]).unwrap(),

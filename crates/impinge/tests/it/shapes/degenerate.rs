@@ -1,4 +1,5 @@
-//! Shapes without a radius, without a volume, or in one place; and numbers at the ends of their range.
+//! Shapes without a radius, without a volume, or in one place; and numbers at the limits of the
+//! range.
 
 use std::sync::Arc;
 
@@ -16,9 +17,10 @@ fn at(shape: Result<Shape, InputError>, translation: [f64; 3]) -> PlacedShape {
     shape.unwrap().at(Pose::from_translation(translation).unwrap()).unwrap()
 }
 
-/// What holds of the depth of any two shapes that meet.
+/// Returns the depth interval of two overlapping shapes, after checking that all its numbers are
+/// finite.
 fn depth(a: &PlacedShape, b: &PlacedShape) -> [f64; 2] {
-    let found = query::penetration(a, b).expect("they meet");
+    let found = query::penetration(a, b).expect("they intersect");
     assert!((found.normal.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-14, "{found:?}");
     assert!(0.0 <= found.lower && found.lower <= found.upper && found.upper.is_finite(), "{found:?}");
     assert!(found.point_a.iter().chain(&found.point_b).all(|x| x.is_finite()), "{found:?}");
@@ -26,9 +28,9 @@ fn depth(a: &PlacedShape, b: &PlacedShape) -> [f64; 2] {
 }
 
 #[test]
-fn n25_no_radius_is_legal() {
+fn zero_radii_and_extents_are_valid() {
     let point = here(Shape::sphere([0.0; 3], 0.0));
-    assert_eq!(query::proximity(&point, &point), Proximity::Meets);
+    assert_eq!(query::proximity(&point, &point), Proximity::Intersects);
     assert_eq!(query::distance(&point, &point).upper, 0.0);
     assert!(depth(&point, &point)[1] < 1e-15);
     let pill = here(Shape::capsule([1.0; 3], [1.0; 3], 0.0));
@@ -47,7 +49,7 @@ fn n25_no_radius_is_legal() {
 }
 
 #[test]
-fn n1_n2_n19_n20_bad_numbers_are_refused() {
+fn invalid_numbers_and_maps_that_are_not_rigid_are_rejected() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for refused in [
             Shape::sphere([0.0, bad, 0.0], 1.0),
@@ -70,29 +72,30 @@ fn n1_n2_n19_n20_bad_numbers_are_refused() {
     assert!(Shape::cuboid([1.0; 3]).unwrap().at(stretched).is_ok());
 }
 
-/// A ball under a map that is not quite rigid is nearly a ball: what could be either is said to be open, and counts as a hit.
+/// Checks a sphere under a map that is not quite rigid. Its image is uncertain, so touching is
+/// undecided, which counts as a hit.
 #[test]
-fn n19_nearly_rigid_maps_leave_touching_open() {
+fn touching_under_a_nearly_rigid_map_is_undecided() {
     let nearly = Pose::new([[1.0 + 1e-7, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [0.0; 3]).unwrap();
     let ball = Shape::sphere([0.0; 3], 1.0).unwrap();
     let a = ball.at(nearly).unwrap();
-    for (x, wanted) in [(1.99, Proximity::Meets), (2.0, Proximity::Undecided), (2.01, Proximity::Apart)] {
+    for (x, wanted) in [(1.99, Proximity::Intersects), (2.0, Proximity::Undecided), (2.01, Proximity::Apart)] {
         let b = ball.at(Pose::from_translation([0.0, x, 0.0]).unwrap()).unwrap();
         assert_eq!(query::proximity(&a, &b), wanted, "{x}");
         assert_eq!(query::distance(&a, &b).distance() == 0.0, wanted != Proximity::Apart, "{x}");
     }
     let exactly = ball.at(Pose::IDENTITY).unwrap();
     let touching = ball.at(Pose::from_translation([0.0, 2.0, 0.0]).unwrap()).unwrap();
-    assert_eq!(query::proximity(&exactly, &touching), Proximity::Meets);
+    assert_eq!(query::proximity(&exactly, &touching), Proximity::Intersects);
     let apart = ball.at(Pose::from_translation([0.0, 2_f64.next_up(), 0.0]).unwrap()).unwrap();
     assert_eq!(query::proximity(&exactly, &apart), Proximity::Apart);
     assert!(query::distance(&exactly, &apart).distance() > 0.0);
 }
 
-/// Round shapes that stand alike have tied extremes, and the origin on the border of the first differences: that they are deep in
-/// each other is proved all the same.
+/// Checks round shapes of equal orientation, which have tied support points and an origin on the
+/// border of the first simplex. Deep overlap must be proved anyway.
 #[test]
-fn n20_round_shapes_that_stand_alike_certainly_meet() {
+fn aligned_round_shapes_certainly_intersect() {
     let shapes = [
         Shape::cylinder(1.0, 1.0).unwrap(),
         Shape::cone(1.0, 1.0).unwrap(),
@@ -106,23 +109,23 @@ fn n20_round_shapes_that_stand_alike_certainly_meet() {
             for z in [0.0, 0.0625] {
                 let pose = Pose::from_translation([x, y, z]).unwrap();
                 let (a, b) = (a.at(Pose::IDENTITY).unwrap(), b.at(pose).unwrap());
-                assert_eq!(query::proximity(&a, &b), Proximity::Meets, "{a:?} {b:?}");
+                assert_eq!(query::proximity(&a, &b), Proximity::Intersects, "{a:?} {b:?}");
                 assert_eq!((query::distance(&a, &b).lower, query::distance(&a, &b).upper), (0.0, 0.0));
                 asked += 1;
             }
         }
     }
     assert_eq!(asked, 512);
-    // Where they touch, nothing is proved, and apart they are.
+    // Touching is undecided, and shapes farther apart are apart.
     let drum = &shapes[0];
-    for (x, wanted) in [(1.999, Proximity::Meets), (2.0, Proximity::Undecided), (2.001, Proximity::Apart)] {
+    for (x, wanted) in [(1.999, Proximity::Intersects), (2.0, Proximity::Undecided), (2.001, Proximity::Apart)] {
         let b = drum.at(Pose::from_translation([x, 0.0, 0.0]).unwrap()).unwrap();
         assert_eq!(query::proximity(drum.at(Pose::IDENTITY).unwrap(), &b), wanted, "{x}");
     }
 }
 
 #[test]
-fn n22_n23_flat_and_pointlike_polytopes_have_depths() {
+fn flat_and_pointlike_polytopes_have_depths() {
     let hull = |points: &[[f64; 3]]| Ok(Shape::hull(Arc::new(Hull::new(points).unwrap())));
     let flat = [
         here(hull(&[[0.0; 3]])),
@@ -137,18 +140,18 @@ fn n22_n23_flat_and_pointlike_polytopes_have_depths() {
     ];
     for (i, a) in flat.iter().enumerate() {
         for (j, b) in flat.iter().enumerate() {
-            assert_eq!(query::proximity(a, b), Proximity::Meets, "{i} {j}");
+            assert_eq!(query::proximity(a, b), Proximity::Intersects, "{i} {j}");
             let found = depth(a, b);
             assert!(found[1] - found[0] < 1e-13, "{i} {j} {found:?}");
-            // In one plane, or points and segments: no interiors of solids meet, and the least push is none.
+            // In one plane, or for points and segments, no interiors overlap and the depth is zero.
             assert!(i > 6 || j > 6 || found[1] < 1e-13, "{i} {j} {found:?}");
         }
     }
 }
 
-/// Two shapes in the very same place.
+/// Checks two equal shapes in the same place.
 #[test]
-fn n23_coincident_centres_have_normals() {
+fn coincident_shapes_have_normals() {
     let wanted = [
         (here(Shape::sphere([0.0; 3], 1.5)), 3.0, 1e-13),
         (here(Shape::capsule([0.0, 0.0, -1.0], [0.0, 0.0, 1.0], 0.5)), 1.0, 1e-13),
@@ -164,9 +167,9 @@ fn n23_coincident_centres_have_normals() {
     }
 }
 
-/// Sizes and places at the ends of the range.
+/// Checks sizes and places at the limits of the range.
 #[test]
-fn n2_n3_n7_sizes_are_relative() {
+fn shapes_of_any_size_are_decided() {
     for exponent in [-1060, -500, -140, 0, 60, 120] {
         let size = 2_f64.powi(exponent.max(-1020)) * if exponent < -1020 { 2_f64.powi(exponent + 1020) } else { 1.0 };
         let unit = Shape::cuboid([size; 3]);
@@ -187,9 +190,10 @@ fn n2_n3_n7_sizes_are_relative() {
     assert!(query::distance(&plate, &far).lower > 1e90);
 }
 
-/// Capsules in cylinders, whose polytopes are tangled by rounding where the way out is along both: they are given up for what is proved.
+/// Checks round shapes in cylinders, for which rounding may tangle the expanded polytope. The
+/// search then returns the bounds proved so far.
 #[test]
-fn tangled_polytopes_are_given_up() {
+fn tangled_polytopes_end_with_proved_bounds() {
     let capsule = Shape::capsule([-0.25, 0.0, 0.0], [0.25, 0.0, 0.0], 0.25).unwrap().at(Pose::IDENTITY).unwrap();
     let sphere = Shape::sphere([0.0; 3], 0.5).unwrap().at(Pose::IDENTITY).unwrap();
     let cylinder = Shape::cylinder(0.5, 0.375).unwrap();

@@ -1,4 +1,4 @@
-//! How deep meshes are in each other, and the regions in which they meet.
+//! Penetration depths of meshes, and their contact patches.
 
 use impinge::Pose;
 use impinge::query::{self, contact_patches, intersecting_pairs};
@@ -9,7 +9,8 @@ use impinge_testkit::generate::{Rng, poses};
 use crate::shapes::hulls::pose;
 use crate::shapes::support::{IDENTITY, at, dot, engine};
 
-/// Two spheres that overlap by one half, of ever smaller triangles: the depth closes in on one half from both sides.
+/// Checks two spheres that overlap by 0.5, with finer and finer triangles: the depth converges to
+/// 0.5.
 #[test]
 fn depths_of_refined_spheres_converge() {
     let mut widths = Vec::new();
@@ -28,9 +29,10 @@ fn depths_of_refined_spheres_converge() {
     assert!(widths.iter().all(|&width| width < 1e-3), "{widths:?}");
 }
 
-/// Two boxes as meshes have the depth that they have as boxes, and a region for each place in which they meet.
+/// Checks that two boxes as meshes have the depth that they have as boxes, and one patch for each
+/// place in which they overlap.
 #[test]
-fn boxes_as_meshes_are_as_deep_as_boxes() {
+fn boxes_as_meshes_have_the_depth_of_boxes() {
     let mesh = engine(&cuboid([-0.5; 3], [0.5; 3]));
     let (solid, plain) = (Shape::solid(&mesh), Shape::cuboid([0.5; 3]).unwrap());
     let mut rng = Rng::new(576);
@@ -43,11 +45,13 @@ fn boxes_as_meshes_are_as_deep_as_boxes() {
         for (a, b) in [(&solid, &solid), (&solid, &plain), (&plain, &solid)] {
             let depth = query::penetration(here(a), there(b)).expect("they overlap");
             assert!(depth.lower <= truth.upper && truth.lower <= depth.upper, "{depth:?} {truth:?}");
-            // The way out of hulls, which is that of convex shapes, is among those that are tried.
+            // The direction for the convex hulls, which is exact for convex shapes, is among those
+            // tried.
             assert!(depth.upper <= truth.upper * (1.0 + 1e-6) + 1e-6, "{case} {depth:?} {truth:?}");
         }
     }
-    // On a plate, a little in it: one region, whose normal, area and depth are those of the common box.
+    // On a plate, slightly sunk in: one patch, whose normal, area and depth are those of the common
+    // box.
     let plate = engine(&cuboid([-2.0, -2.0, -0.5], [2.0, 2.0, 0.5]));
     let on_top = mesh.at(at([0.25, 0.25, 0.875]));
     let patches = contact_patches(&plate, on_top);
@@ -58,9 +62,9 @@ fn boxes_as_meshes_are_as_deep_as_boxes() {
     assert_eq!(patch.pairs, intersecting_pairs(&plate, on_top));
 }
 
-/// Regions of two spheres: one, round; of two pairs of spheres: two, in the place of either pair.
+/// Checks that two spheres have one round patch, and that two pairs of spheres have two.
 #[test]
-fn regions_of_spheres_are_discs() {
+fn contact_patches_of_spheres_are_discs() {
     let sphere = icosphere(3);
     let far = {
         let mut far = sphere.clone();

@@ -1,5 +1,5 @@
-//! Pairs of hulls that nearly touch, against the rational least distance: the truth is in the interval, the boolean is right,
-//! and the two are never at odds.
+//! Pairs of hulls that nearly touch, against the rational distance: the interval contains the
+//! truth, the verdict is right, and the two agree.
 
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ pub(crate) fn pose(affine: &Affine) -> Pose {
 
 const IDENTITY: Affine = Affine { linear: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
 
-/// Points on a small grid, where faces and edges are in one plane, or anywhere.
+/// Returns points on a small grid, where many are coplanar, or uniform points.
 fn cloud(rng: &mut Rng) -> Vec<[f64; 3]> {
     let count = rng.integer(1, 9);
     let on_grid = rng.one_in(2);
@@ -36,8 +36,8 @@ fn along(direction: &[f64; 3], place: &Affine, point: &[f64; 3]) -> f64 {
     (0..3).map(|k| direction[k] * (0..3).map(|j| place.linear[k][j] * point[j]).sum::<f64>()).sum()
 }
 
-/// Two clouds and their places, the second moved so that along some direction a point of its nearest face, edge or corner is
-/// about `gap` behind one of the first's.
+/// Two clouds of points and their poses. The second is moved so that along some direction its
+/// nearest face, edge or corner is about `gap` beyond the first cloud.
 struct Scene {
     points: [Vec<[f64; 3]>; 2],
     places: [Affine; 2],
@@ -59,7 +59,8 @@ fn scene(rng: &mut Rng, gap: f64) -> Scene {
     Scene { points, places }
 }
 
-/// A point that is farthest along a direction, of several a mean, but for the translation.
+/// Returns the linear image of a point that is farthest along a direction. If several tie, it is a
+/// mean of two.
 fn extreme(rng: &mut Rng, n: &[f64; 3], place: &Affine, points: &[[f64; 3]]) -> [f64; 3] {
     let height = |p: &[f64; 3]| along(n, place, p);
     let greatest = points.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
@@ -69,7 +70,7 @@ fn extreme(rng: &mut Rng, n: &[f64; 3], place: &Affine, points: &[[f64; 3]]) -> 
     std::array::from_fn(|k| (0..3).map(|j| place.linear[k][j] * mean[j]).sum())
 }
 
-/// What came out, so that tests can say that all of it did.
+/// Counts of outcomes, so that tests can require a share of each.
 #[derive(Debug, Default)]
 struct Seen {
     meeting: usize,
@@ -77,7 +78,7 @@ struct Seen {
     near: usize,
 }
 
-fn judge(rng: &mut Rng, gap: f64, seen: &mut Seen) {
+fn check_pair(rng: &mut Rng, gap: f64, seen: &mut Seen) {
     let Scene { points, places } = scene(rng, gap);
     let truth = squared_distance_of_hulls(&points[0], &places[0], &points[1], &places[1]);
     let [a, b] = [0, 1].map(|i| {
@@ -95,7 +96,7 @@ fn judge(rng: &mut Rng, gap: f64, seen: &mut Seen) {
     assert!(square(found.lower) <= truth && truth <= square(found.upper), "{found:?} {}", context());
     assert!(found.upper - found.lower <= found.upper * 2_f64.powi(-36) || found.upper < 1e-150, "{found:?}");
     assert!(query::within(&a, &b, found.upper) && (meets || !query::within(&a, &b, found.lower.next_down())));
-    // The witnesses are as far apart as they should be, up to their rounding to the world.
+    // The closest points must have the reported distance, up to their rounding in the world frame.
     let nearest = found.points().expect("shapes have nearest points");
     let apart = (0..3).map(|k| (nearest[0][k] - nearest[1][k]).powi(2)).sum::<f64>().sqrt();
     assert!(meets || (apart - found.upper).abs() < 1e-12, "{found:?} {apart}");
@@ -120,7 +121,7 @@ fn judge(rng: &mut Rng, gap: f64, seen: &mut Seen) {
     seen.near += usize::from(!meets && found.upper < 1e-7);
 }
 
-fn judge_many(count: usize) {
+fn check_many(count: usize) {
     let mut rng = Rng::new(51);
     let mut seen = Seen::default();
     let gaps = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-12, 1e-13, 1e-14];
@@ -130,26 +131,27 @@ fn judge_many(count: usize) {
             1 | 2 => rng.choose(&gaps),
             _ => -rng.choose(&gaps),
         };
-        judge(&mut rng, gap, &mut seen);
+        check_pair(&mut rng, gap, &mut seen);
     }
     assert!(seen.meeting > count / 5 && seen.apart > count / 5 && seen.near > count / 10, "{seen:?}");
 }
 
-/// Touching, nearly touching and slightly overlapping hulls of one to nine points.
+/// Checks touching, nearly touching and slightly overlapping hulls of one to nine points.
 #[test]
-fn n22_n23_near_hulls_are_decided_and_their_distance_is_in_its_interval() {
-    judge_many(5_000);
+fn near_hulls_are_decided_and_their_distance_is_in_its_interval() {
+    check_many(5_000);
 }
 
 #[test]
 #[ignore = "minutes: see CONTRIBUTING.md"]
-fn hundred_thousand_near_hulls() {
-    judge_many(100_000);
+fn hundred_thousand_near_hulls_are_decided() {
+    check_many(100_000);
 }
 
-/// A point in a triangle's own plane, near its corner: the way out is across the plane, and not the longer one past the corner.
+/// Checks a point in the plane of a triangle, near its corner: the depth is that across the plane,
+/// not the longer one past the corner.
 #[test]
-fn n22_flat_sets_are_left_across_themselves() {
+fn depths_of_flat_sets_are_across_their_plane() {
     let corner = [0.0, 1.0, 0.0];
     let mut rng = Rng::new(54);
     for case in 0..300 {
@@ -159,10 +161,10 @@ fn n22_flat_sets_are_left_across_themselves() {
         } else {
             [0, 1].map(|_| std::array::from_fn(|_| rng.integer(-3, 3) as f64))
         };
-        // Between the edges, by a share that leaves no rounding.
+        // Between the edges, at a fraction that causes no rounding.
         let point: [f64; 3] = std::array::from_fn(|k| corner[k] + share * (edges[0][k] + edges[1][k]));
         let [p, q] = edges.map(|edge| std::array::from_fn(|k| corner[k] + edge[k]));
-        // A place that both share leaves the point in the triangle.
+        // A pose that both share leaves the point in the triangle.
         let place = pose(&if case % 2 == 0 { IDENTITY } else { poses::rotation(&mut rng) });
         let triangle = Shape::triangle([corner, p, q]).unwrap().at(place).unwrap();
         let point = Shape::point(point).unwrap().at(place).unwrap();
@@ -171,9 +173,9 @@ fn n22_flat_sets_are_left_across_themselves() {
     }
 }
 
-/// Under maps that stretch and shear, what is decided is about the images.
+/// Checks that under maps that stretch and shear, the images are compared.
 #[test]
-fn n20_sheared_hulls_are_decided() {
+fn sheared_hulls_are_decided() {
     let mut rng = Rng::new(52);
     let mut meeting = 0;
     for _ in 0..300 {
@@ -193,12 +195,12 @@ fn n20_sheared_hulls_are_decided() {
     assert!((30..270).contains(&meeting), "{meeting}");
 }
 
-/// `within` of exactly the distance is true, of the next float below it is not.
+/// Checks that `within` is true for exactly the distance, and false for the next float below it.
 #[test]
-fn within_exactly_the_distance() {
+fn within_is_exact_at_the_distance() {
     let mut rng = Rng::new(53);
     for _ in 0..300 {
-        // Pythagorean quadruples, so that distances of corners are integers.
+        // Pythagorean quadruples make the distances of corners integers.
         let [x, y, z, d] = rng.choose(&[[2.0, 1.0, 2.0, 3.0], [2.0, 3.0, 6.0, 7.0], [4.0, 4.0, 7.0, 9.0]]);
         let scale = 2_f64.powi(rng.integer(-30, 30) as i32);
         let half = [1.0, 2.0, 1.0].map(|h| h * scale);
@@ -208,7 +210,7 @@ fn within_exactly_the_distance() {
         assert!(query::within(&a, &b, d * scale) && !query::within(&a, &b, (d * scale).next_down()));
         assert!(!query::within(&a, &b, -1.0) && !query::within(&a, &b, f64::NAN));
         assert!(query::within(&a, &b, f64::INFINITY));
-        // So it is of balls, whose radii take from the distance.
+        // The same for spheres, whose radii reduce the distance.
         let r = rng.integer(0, 1) as f64 * scale;
         let ball = Shape::sphere([0.0; 3], r).unwrap();
         let pin = Shape::sphere([x * scale, y * scale, z * scale], 0.5 * scale).unwrap();

@@ -1,4 +1,4 @@
-//! Questions about two shapes, against rationals, closed forms and laws.
+//! Queries about two shapes, against rationals, closed forms and invariants.
 
 mod boxes;
 mod coherence;

@@ -1,8 +1,9 @@
-//! Every kind of shape against every other: all verbs answer, and the answers prove themselves by closed forms.
+//! Every kind of shape against every other: all verbs answer, and closed forms check the answers.
 //!
-//! How far apart two convex sets are, negative where they overlap, is the greatest over all directions n of length 1 of what
-//! lies between their heights along n. So any direction bounds it from below, the witnesses' own among them, and points that
-//! are in the sets bound it from above: where both agree with the answer it is right, however it was found.
+//! The signed distance of two convex sets is the maximum over all unit directions n of the gap
+//! between their heights along n. So any direction, also that of the closest points, bounds it from
+//! below, and points in the sets bound it from above. If both bounds agree with the answer, the
+//! answer is right.
 
 use impinge::Pose;
 use impinge::query::{self, ContactOptions, Penetrates, Proximity, Query};
@@ -13,7 +14,7 @@ use impinge_testkit::generate::{Rng, poses};
 use crate::shapes::hulls::pose;
 use crate::shapes::support::{Known, dot};
 
-/// A known shape in the world.
+/// A known shape with its pose in the world.
 pub(crate) struct Placed<'k> {
     pub(crate) known: &'k Known,
     pub(crate) place: Affine,
@@ -25,7 +26,8 @@ impl<'k> Placed<'k> {
         Self { known, place, shape: known.shape().at(pose(&place)).expect("rigid") }
     }
 
-    /// The height along a direction of the world, which for a half-space is its own.
+    /// Returns the height of the shape along a world direction. For a half-space it is the level of
+    /// its plane.
     fn height(&self, n: &[f64; 3]) -> f64 {
         if let Some((_, level)) = self.plane() {
             return level;
@@ -34,7 +36,8 @@ impl<'k> Placed<'k> {
         self.known.height(&local) + dot(n, &self.place.translation)
     }
 
-    /// The normal and the level of a half-space in the world.
+    /// Returns the unit normal and the level of a half-space in the world, or `None` for other
+    /// shapes.
     fn plane(&self) -> Option<([f64; 3], f64)> {
         let Known::HalfSpace(normal, level) = self.known else { return None };
         let length = dot(normal, normal).sqrt();
@@ -43,13 +46,13 @@ impl<'k> Placed<'k> {
     }
 }
 
-/// What lies between the heights of two shapes along a direction from the first to the second; the greatest of that over all
-/// directions is how far they are apart.
+/// Returns the gap between the heights of two shapes along a direction from the first to the
+/// second. The maximum over all directions is their signed distance.
 pub(crate) fn gap_along(a: &Placed, b: &Placed, n: &[f64; 3]) -> f64 {
     -b.height(&n.map(|x| -x)) - a.height(n)
 }
 
-/// The directions along which heights are finite: those of planes, else some.
+/// Returns directions along which both heights are finite: those of planes, else 300 random ones.
 pub(crate) fn directions(a: &Placed, b: &Placed) -> Vec<[f64; 3]> {
     let unit = |n: [f64; 3]| n.map(|x| x / dot(&n, &n).sqrt());
     let mut rng = Rng::new(5);
@@ -61,7 +64,7 @@ pub(crate) fn directions(a: &Placed, b: &Placed) -> Vec<[f64; 3]> {
     }
 }
 
-/// Whether no direction tells a point from those of a shape.
+/// Reports whether no direction separates a point from a shape.
 pub(crate) fn holds(shape: &Placed, point: &[f64; 3], directions: &[[f64; 3]]) -> bool {
     match shape.plane() {
         Some((n, level)) => dot(&n, point) <= level + 1e-9,
@@ -69,8 +72,8 @@ pub(crate) fn holds(shape: &Placed, point: &[f64; 3], directions: &[[f64; 3]]) -
     }
 }
 
-/// What is asked of a pair, once each way; returns whether the pair meets.
-fn ask(a: &Placed, b: &Placed) -> bool {
+/// Checks all verbs on a pair, in both orders, and reports whether the pair intersects.
+fn check_pair(a: &Placed, b: &Placed) -> bool {
     let directions = directions(a, b);
     let best = directions.iter().map(|n| gap_along(a, b, n)).fold(f64::NEG_INFINITY, f64::max);
     let context = || format!("{:?} {:?} against {:?} {:?}: {best}", a.known, a.place, b.known, b.place);
@@ -115,7 +118,7 @@ fn ask(a: &Placed, b: &Placed) -> bool {
     let n = if directions.len() == 1 { directions[0] } else { depth.normal };
     assert!((-gap_along(a, b, &n) - depth.upper).abs() < 1e-9, "{depth:?} {}", context());
     assert!(depth.upper - depth.lower < if is_exact { 1e-12 } else { 1e-10 }, "{depth:?} {}", context());
-    // Moved apart by the upper end they are apart.
+    // Moved apart by the upper bound of the depth, they are apart.
     let mut place = b.place;
     let by = depth.upper + 1e-9;
     place.translation = std::array::from_fn(|k| place.translation[k] + depth.normal[k] * by);
@@ -135,7 +138,7 @@ fn every_pair_answers_every_verb() {
                 places[0].translation = [0.5, 0.25, -1.0];
                 places[1].translation =
                     std::array::from_fn(|k| places[0].translation[k] + reach * rng.uniform(-1.0, 1.0));
-                meeting += usize::from(ask(&Placed::new(a, places[0]), &Placed::new(b, places[1])));
+                meeting += usize::from(check_pair(&Placed::new(a, places[0]), &Placed::new(b, places[1])));
                 count += 1;
             }
         }
@@ -143,9 +146,10 @@ fn every_pair_answers_every_verb() {
     assert!(meeting > count / 4 && meeting < count * 4 / 5, "{meeting} of {count}");
 }
 
-/// Two half-spaces: facing each other, apart and not, and in one another.
+/// Checks two half-spaces that face each other, apart and overlapping, and two in the same
+/// direction.
 #[test]
-fn half_spaces_meet_unless_they_face_each_other() {
+fn half_spaces_intersect_unless_they_face_each_other() {
     let place = |normal, level, at: [f64; 3]| {
         Known::HalfSpace(normal, level).shape().at(Pose::from_translation(at).unwrap()).unwrap()
     };
@@ -156,7 +160,7 @@ fn half_spaces_meet_unless_they_face_each_other() {
     assert!(query::within(&floor, &ceiling, 3.0) && !query::within(&floor, &ceiling, 3_f64.next_down()));
     assert!(query::penetration(&floor, &ceiling).is_none());
     let low = place([0.0, 0.0, -1.0], 0.0, [5.0, 0.0, 0.5]);
-    assert_eq!(query::proximity(&floor, &low), Proximity::Meets);
+    assert_eq!(query::proximity(&floor, &low), Proximity::Intersects);
     assert_eq!(query::penetration(&floor, &low).unwrap().upper, 0.0);
     let lower = place([0.0, 0.0, -1.0], 0.0, [5.0, 0.0, -0.5]);
     let depth = query::penetration(&lower, &floor).unwrap();
@@ -167,9 +171,10 @@ fn half_spaces_meet_unless_they_face_each_other() {
     }
 }
 
-/// The contact of two half-spaces has the gap that a margin allows, the depth, or an infinite one where nothing parts them.
+/// Checks that the contact of two half-spaces has the gap within the margin, the depth, or an
+/// infinite depth if no translation separates them.
 #[test]
-fn contacts_of_half_spaces_say_how_deep_they_are() {
+fn contacts_of_half_spaces_have_their_depth() {
     let place =
         |normal, at: [f64; 3]| Known::HalfSpace(normal, 0.0).shape().at(Pose::from_translation(at).unwrap()).unwrap();
     let floor = place([0.0, 0.0, 1.0], [0.0; 3]);
@@ -189,7 +194,7 @@ fn contacts_of_half_spaces_say_how_deep_they_are() {
             assert!(point.lower <= lower && upper <= point.upper, "{height}: {point:?}");
             assert!(lower.is_infinite() || point.upper - point.lower < 1e-12, "{height}: {point:?}");
             assert!(!point.lower.is_infinite() || lower.is_infinite(), "{height}: {point:?}");
-            // From the point of the second to that of the first it is the depth along the normal.
+            // The vector from the second point to the first one has the depth along the normal.
             if lower.is_finite() {
                 let along: f64 = (0..3).map(|k| manifold.normal[k] * (point.point_a[k] - point.point_b[k])).sum();
                 assert!((along - lower).abs() < 1e-12, "{height}: {manifold:?}");

@@ -1,5 +1,5 @@
-//! Shapes as the tests know them, by closed forms of their support heights, which share nothing with the product; and their
-//! meshes and poses, as the product has them.
+//! Shapes with closed forms of their support heights, which share no code with the library; and
+//! conversions of meshes and poses.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use impinge_testkit::{Affine, Mesh as Plain};
 pub(crate) const IDENTITY: Affine =
     Affine { linear: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
 
-/// A shape of which the height along a direction is known.
+/// Shape whose height along a direction has a closed form.
 #[derive(Clone, Debug)]
 pub(crate) enum Known {
     Points(Vec<[f64; 3]>),
@@ -51,7 +51,7 @@ pub(crate) fn dot(p: &[f64; 3], q: &[f64; 3]) -> f64 {
 }
 
 impl Known {
-    /// One of every kind, of about the same size.
+    /// Returns one shape of every kind, all of about the same size.
     pub(crate) fn all() -> Vec<Self> {
         let tetrahedron = vec![[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0]];
         vec![
@@ -76,7 +76,7 @@ impl Known {
                 [point] => Shape::point(point),
                 [start, end] => Shape::segment([start, end]),
                 [a, b, c] => Shape::triangle([a, b, c]),
-                _ => panic!("no shape of so many points"),
+                _ => panic!("no shape of {} points", points.len()),
             },
             Self::Hull(points) => Ok(Shape::hull(Arc::new(Hull::new(points).expect("points")))),
             Self::Capsule([start, end], radius) if start == end => Shape::sphere(*start, *radius),
@@ -91,12 +91,12 @@ impl Known {
         shape.expect("in range")
     }
 
-    /// Whether all that is asked about it with another such is decided.
+    /// Reports whether queries between two such shapes are always decided.
     pub(crate) fn is_exact(&self) -> bool {
         matches!(self, Self::Points(_) | Self::Hull(_) | Self::Cuboid(_) | Self::HalfSpace(..))
     }
 
-    /// The greatest n·x.
+    /// Returns the maximum of n·x over the shape.
     pub(crate) fn height(&self, n: &[f64; 3]) -> f64 {
         let across = (n[0] * n[0] + n[1] * n[1]).sqrt();
         let greatest = |points: &[[f64; 3]]| points.iter().map(|p| dot(n, p)).fold(f64::NEG_INFINITY, f64::max);

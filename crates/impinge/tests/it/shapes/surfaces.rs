@@ -1,4 +1,4 @@
-//! Meshes against everything else: every face in rationals, closed forms, laws.
+//! Meshes against other shapes: every face in rationals, closed forms, and invariants.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ fn square(x: f64) -> RBig {
     x.clone() * x
 }
 
-/// The square of the distance of a polytope from the nearest face.
+/// Returns the squared distance of a polytope from the nearest face.
 fn truth(mesh: &Plain, place: &Affine, points: &[[f64; 3]], points_at: &Affine) -> RBig {
     let of_face = |face: &[u32; 3]| {
         squared_distance_of_hulls(&face.map(|vertex| mesh.vertices[vertex as usize]), place, points, points_at)
@@ -28,8 +28,8 @@ fn truth(mesh: &Plain, place: &Affine, points: &[[f64; 3]], points_at: &Affine) 
     mesh.faces.iter().map(of_face).min().expect("faces")
 }
 
-/// What the verbs say of two shapes whose distance is the root of a rational, each way.
-fn ask(a: &PlacedShape, b: &PlacedShape, truth: &RBig, context: &str) {
+/// Checks the verbs on two shapes whose squared distance is known, in both orders.
+fn check_pair(a: &PlacedShape, b: &PlacedShape, truth: &RBig, context: &str) {
     let meets = *truth == RBig::ZERO;
     assert_eq!(query::intersects(a, b), meets, "{context}");
     assert_ne!(query::proximity(a, b), Proximity::Undecided, "{context}");
@@ -41,13 +41,14 @@ fn ask(a: &PlacedShape, b: &PlacedShape, truth: &RBig, context: &str) {
     assert!(query::within(a, b, found.upper), "{found:?} {context}");
     assert!(meets || !query::within(a, b, found.lower.next_down()), "{found:?} {context}");
     assert_eq!(query::contacts(a, b).is_empty(), !meets, "{context}");
-    // A soup is taken as a solid here, so that what is inside counts too.
+    // A soup is treated as a solid here, so shapes inside it count too.
     assert!(query::penetration(a, b).is_some() || !meets, "{context}");
 }
 
-/// Soups of small integers against boxes, hulls and points of small integers: much of it touches.
+/// Checks soups of small integers against boxes, hulls and points of small integers, which touch
+/// often.
 #[test]
-fn faces_against_polytopes_are_as_the_rationals_say() {
+fn faces_against_polytopes_agree_with_rationals() {
     let mut rng = Rng::new(571);
     let (mut meeting, mut touching, mut apart) = (0, 0, 0);
     for case in 0..90 {
@@ -79,7 +80,7 @@ fn faces_against_polytopes_are_as_the_rationals_say() {
         let truth = truth(&mesh, &places[0], &points, &places[1]);
         let surface = Shape::mesh(&engine(&mesh)).at(pose(&places[0])).unwrap();
         let shape = shape.at(pose(&places[1])).unwrap();
-        ask(&surface, &shape, &truth, &format!("{mesh:?} {places:?} {points:?}"));
+        check_pair(&surface, &shape, &truth, &format!("{mesh:?} {places:?} {points:?}"));
         let meets = truth == RBig::ZERO;
         meeting += usize::from(meets);
         apart += usize::from(!meets);
@@ -88,7 +89,7 @@ fn faces_against_polytopes_are_as_the_rationals_say() {
     assert!(meeting > 15 && apart > 15 && touching > 8, "{meeting} {apart} {touching}");
 }
 
-/// Every kind of shape against a mesh: the distance is that of the nearest face, asked one by one.
+/// Checks that the distance of every kind of shape from a mesh is that of the nearest face.
 #[test]
 fn every_kind_is_as_far_from_a_mesh_as_from_its_nearest_face() {
     let mesh = icosphere(1);
@@ -134,9 +135,10 @@ fn every_kind_is_as_far_from_a_mesh_as_from_its_nearest_face() {
     assert!(meeting > 6 && apart > 4, "{meeting} {apart}");
 }
 
-/// A solid holds what is inside it, a surface does not; a shape holds a mesh either way.
+/// Checks that a solid contains shapes inside it and a surface does not, and that a shape contains
+/// a mesh either way.
 #[test]
-fn solids_hold_what_is_inside() {
+fn solids_contain_shapes_inside_them() {
     let hall = engine(&cuboid([-2.0; 3], [2.0; 3]));
     let [surface, solid] = [Shape::mesh(&hall), Shape::solid(&hall)].map(|shape| shape.at(Pose::IDENTITY).unwrap());
     let small = engine(&cuboid([-0.25; 3], [0.25; 3]));
@@ -155,12 +157,13 @@ fn solids_hold_what_is_inside() {
     assert!(query::intersects(&surface, &around));
 }
 
-/// A box on a floor of many triangles has its four corners and no normal but the floor's, wherever the triangles' edges are.
+/// Checks that a box on a floor of many triangles has four contacts and the floor's normal,
+/// wherever the edges of the triangles are.
 #[test]
-fn floors_of_triangles_have_one_normal() {
+fn contacts_on_a_floor_of_triangles_have_one_normal() {
     let floor = engine(&plane_grid(16, 16));
     let bounds = Shape::mesh(&floor).at(Pose::IDENTITY).unwrap().bounds().unwrap();
-    let centre: [f64; 3] = std::array::from_fn(|k| 0.5 * (bounds[0][k] + bounds[1][k]));
+    let center: [f64; 3] = std::array::from_fn(|k| 0.5 * (bounds[0][k] + bounds[1][k]));
     let size = (bounds[1][0] - bounds[0][0]).min(bounds[1][1] - bounds[0][1]);
     let half = 0.2 * size;
     let mut rng = Rng::new(573);
@@ -169,7 +172,7 @@ fn floors_of_triangles_have_one_normal() {
     let floor = Shape::mesh(&floor).at(Pose::IDENTITY).unwrap();
     for case in 0..6 {
         let depth = half * [0.0, 1e-3, 0.05][case % 3];
-        let place = [centre[0] + 0.1 * size * rng.uniform(-1.0, 1.0), centre[1], centre[2] + half - depth];
+        let place = [center[0] + 0.1 * size * rng.uniform(-1.0, 1.0), center[1], center[2] + half - depth];
         let lying = query::contacts(&floor, crate_.at(at(place)).unwrap());
         assert_eq!(lying.len(), 1, "{lying:?}");
         assert!(lying[0].normal[2] > 1.0 - 1e-12, "{lying:?}");
@@ -188,9 +191,9 @@ fn floors_of_triangles_have_one_normal() {
     }
 }
 
-/// A half-space against a mesh: the lowest vertex, exactly.
+/// Checks a half-space against a mesh: the lowest vertex decides exactly.
 #[test]
-fn half_spaces_reach_to_the_lowest_vertex() {
+fn half_spaces_are_compared_with_the_lowest_vertex() {
     let mesh = icosphere(2);
     let surface = engine(&mesh);
     let mut rng = Rng::new(574);
@@ -218,7 +221,7 @@ fn half_spaces_reach_to_the_lowest_vertex() {
             assert!(contacts[0].points.iter().all(|p| matches!(p.id.feature_b, Feature::Vertex(_))));
         }
     }
-    // Touching to the last digit: a box on the floor, and one unit in the last place above it.
+    // Touching exactly: a box on the floor, and one unit in the last place above it.
     let crate_ = Shape::mesh(&engine(&cuboid([0.0; 3], [1.0; 3])));
     let floor = Shape::half_space([0.0, 0.0, 3.0], 0.0).unwrap().at(Pose::IDENTITY).unwrap();
     assert!(query::intersects(&floor, crate_.at(Pose::IDENTITY).unwrap()));

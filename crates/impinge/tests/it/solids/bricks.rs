@@ -1,5 +1,5 @@
-//! Solids of many bodies on a lattice, whose interiors are known cell by cell. No other meshes are
-//! so full of walls, edges and corners that several bodies share.
+//! Solids of many bodies on a lattice, whose interiors are known cell by cell. Their bodies share
+//! many walls, edges and corners.
 
 use impinge::query::{self, Penetrates};
 use impinge_testkit::generate::Rng;
@@ -9,34 +9,34 @@ use rayon::prelude::*;
 
 use crate::solids::shapes::{engine, flipped, moved};
 
-fn surely(intersect: bool) -> Penetrates {
+fn yes_or_no(intersect: bool) -> Penetrates {
     if intersect { Penetrates::Yes } else { Penetrates::No }
 }
 
-/// Both meshes of a scene, in one frame.
+/// Returns both meshes of a scene, in one frame.
 fn meshes(rng: &mut Rng, scene: &Scene, cut: Cut) -> [Mesh; 2] {
     let [a, b] = [0, 1].map(|side| bricks::mesh(rng, &scene.bricks[side], cut));
     [a, moved(b, scene.half_steps.map(|x| x as f64 / 2.0))]
 }
 
-fn ask([a, b]: &[Mesh; 2]) -> Penetrates {
+fn penetrates([a, b]: &[Mesh; 2]) -> Penetrates {
     query::penetrates(&engine(a), &engine(b))
 }
 
-/// Asserts the answer about a scene, also with the meshes swapped and their faces in several orders.
+/// Checks the answer for a scene, also with the meshes swapped and their faces in several orders.
 fn assert_decided(rng: &mut Rng, scene: &Scene, expected: bool) {
     assert_eq!(scene.penetrates(), expected);
     let both = meshes(rng, scene, Cut::AsLattice);
-    assert_eq!(ask(&both), surely(expected), "{scene:?}");
+    assert_eq!(penetrates(&both), yes_or_no(expected), "{scene:?}");
     for _ in 0..8 {
-        assert_eq!(ask_otherwise(rng, &both), surely(expected), "{scene:?}");
+        assert_eq!(penetrates_in_other_order(rng, &both), yes_or_no(expected), "{scene:?}");
     }
 }
 
-/// The same question with the faces in another order, and of the second mesh about the first.
-fn ask_otherwise(rng: &mut Rng, [a, b]: &[Mesh; 2]) -> Penetrates {
+/// Returns the answer with the meshes swapped and their faces in another order.
+fn penetrates_in_other_order(rng: &mut Rng, [a, b]: &[Mesh; 2]) -> Penetrates {
     let (a, b) = (bricks::reordered(rng, a.clone()), bricks::reordered(rng, b.clone()));
-    ask(&[b, a])
+    penetrates(&[b, a])
 }
 
 #[test]
@@ -49,9 +49,13 @@ fn bricks_of_one_lattice_are_always_decided() {
         let [a, b] = both.each_ref().map(engine);
         let pairs = query::intersecting_pairs(&a, &b);
         let expected = scene.penetrates();
-        assert_eq!(query::penetrates_of_pairs(&a, &b, &pairs), surely(expected), "case {case}: {scene:?}");
+        assert_eq!(query::penetrates_of_pairs(&a, &b, &pairs), yes_or_no(expected), "case {case}: {scene:?}");
         if case.is_multiple_of(8) {
-            assert_eq!(ask_otherwise(&mut rng, &both), surely(expected), "case {case}, in another order: {scene:?}");
+            assert_eq!(
+                penetrates_in_other_order(&mut rng, &both),
+                yes_or_no(expected),
+                "case {case}, in another order: {scene:?}"
+            );
         }
         let touches = !expected && scene.touches();
         [touches, expected, touches && pairs.len() > 256].map(usize::from)
@@ -64,7 +68,7 @@ fn bricks_of_one_lattice_are_always_decided() {
 }
 
 #[test]
-fn bricks_whose_walls_are_cut_otherwise_are_never_answered_wrongly() {
+fn bricks_with_walls_cut_in_other_ways_are_never_answered_wrongly() {
     let mut rng = Rng::new(72);
     let scenes = rounds(1_000);
     let mut decided = 0;
@@ -72,10 +76,14 @@ fn bricks_whose_walls_are_cut_otherwise_are_never_answered_wrongly() {
         let scene = Scene::random(&mut rng);
         let cut = if case.is_multiple_of(2) { Cut::ByChance } else { Cut::Whole };
         let both = meshes(&mut rng, &scene, cut);
-        let answer = ask(&both);
-        let expected = surely(scene.penetrates());
+        let answer = penetrates(&both);
+        let expected = yes_or_no(scene.penetrates());
         assert!(answer == Penetrates::Undecided || answer == expected, "case {case}: {answer:?}, {cut:?} {scene:?}");
-        assert_eq!(ask_otherwise(&mut rng, &both), answer, "case {case}, in another order: {cut:?} {scene:?}");
+        assert_eq!(
+            penetrates_in_other_order(&mut rng, &both),
+            answer,
+            "case {case}, in another order: {cut:?} {scene:?}"
+        );
         decided += usize::from(answer == expected);
     }
     assert!(10 * decided > 7 * scenes, "{decided} of {scenes} are decided");
@@ -83,8 +91,8 @@ fn bricks_whose_walls_are_cut_otherwise_are_never_answered_wrongly() {
 
 #[test]
 fn membranes_cut_in_two_ways_have_no_interior() {
-    // Both sides of a membrane lie on each other. Where they are cut into different triangles, no face cancels another
-    // one, and the points asked about are on edges of the other side.
+    // Both sides of a membrane lie on each other. If they are cut into different triangles, no face
+    // cancels another one, and the tested points lie on edges of the other side.
     let outcome = |case: usize| -> [usize; 2] {
         let mut rng = Rng::new(730_000 + case as u64);
         let around = Brick::new([0; 3], [3; 3]);
@@ -100,9 +108,9 @@ fn membranes_cut_in_two_ways_have_no_interior() {
         let scene = Scene { bricks: [vec![around], membranes], half_steps };
         assert!(!scene.penetrates());
         let both = meshes(&mut rng, &scene, Cut::ByChance);
-        let answer = ask(&both);
+        let answer = penetrates(&both);
         assert_ne!(answer, Penetrates::Yes, "case {case}: {scene:?}");
-        assert_eq!(ask_otherwise(&mut rng, &both), answer, "case {case}, in another order: {scene:?}");
+        assert_eq!(penetrates_in_other_order(&mut rng, &both), answer, "case {case}, in another order: {scene:?}");
         [usize::from(answer == Penetrates::No), usize::from(answer == Penetrates::Undecided)]
     };
     let scenes = rounds(1_000);
@@ -125,8 +133,8 @@ fn floors_upon_floors_do_not_penetrate() {
 
 #[test]
 fn checkerboards_share_edges_and_do_not_penetrate() {
-    // Four faces at each edge, of two bricks: any two of them that turn otherwise look like all of
-    // one body.
+    // Four faces of two bricks share each edge. Any two faces of opposite orientation could belong
+    // to one body.
     let mut rng = Rng::new(77);
     let board = |white: i64| -> Vec<Brick> {
         let cells = (0..36).map(|i| [i / 6, i % 6, 0]).filter(|cell| (cell[0] + cell[1]) % 2 == white);
@@ -144,16 +152,16 @@ fn checkerboards_share_edges_and_do_not_penetrate() {
 }
 
 #[test]
-fn bodies_that_share_a_corner_are_looked_at_one_by_one() {
+fn bodies_that_share_a_corner_are_tested_one_by_one() {
     let mut rng = Rng::new(74);
-    // The large brick touches both unit cubes in the corner that they share. One of them is inside
-    // it.
+    // The large brick touches both unit cubes in the corner that they share. One cube is inside the
+    // brick.
     let cubes = vec![Brick::unit([0; 3]), Brick::unit([-1; 3])];
     for cubes in [cubes.clone(), cubes.into_iter().rev().collect()] {
         let bricks = [cubes, vec![Brick::new([0; 3], [2; 3])]];
         assert_decided(&mut rng, &Scene { bricks, half_steps: [0; 3] }, true);
     }
-    // The same with tetrahedra about the large one, so that nothing touches but the corner.
+    // The same with tetrahedra, so that nothing touches except the corner.
     let tip = |along: f64| {
         let vertices = vec![
             [0.0; 3],
@@ -166,32 +174,31 @@ fn bodies_that_share_a_corner_are_looked_at_one_by_one() {
     };
     let large = bricks::mesh(&mut rng, &[Brick::new([0; 3], [2; 3])], Cut::AsLattice);
     for both in [tip(1.0).joined(&tip(-1.0)), tip(-1.0).joined(&tip(1.0))] {
-        assert_eq!(ask(&[both.clone(), large.clone()]), Penetrates::Yes);
-        assert_eq!(ask(&[large.clone(), both]), Penetrates::Yes);
+        assert_eq!(penetrates(&[both.clone(), large.clone()]), Penetrates::Yes);
+        assert_eq!(penetrates(&[large.clone(), both]), Penetrates::Yes);
     }
-    assert_eq!(ask(&[tip(-1.0), large]), Penetrates::No);
+    assert_eq!(penetrates(&[tip(-1.0), large]), Penetrates::No);
 }
 
 #[test]
 fn fins_without_thickness_hide_no_body() {
     let mut rng = Rng::new(75);
     let large = bricks::mesh(&mut rng, &[Brick::new([-1; 3], [2; 3])], Cut::AsLattice);
-    // A unit cube inside the large brick, with a fin from one of its edges that reaches out through
-    // a wall.
+    // A unit cube inside the large brick. A fin from one of its edges passes out through a wall.
     let fin =
         Mesh { vertices: vec![[1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [5.25, 1.5, 0.25]], faces: vec![[0, 1, 2], [0, 2, 1]] };
     let cube = bricks::mesh(&mut rng, &[Brick::unit([0; 3])], Cut::AsLattice);
     for both in [cube.clone().joined(&fin), fin.clone().joined(&cube)] {
-        assert_eq!(ask(&[both.clone(), large.clone()]), Penetrates::Yes);
-        assert_eq!(ask(&[large.clone(), both]), Penetrates::Yes);
+        assert_eq!(penetrates(&[both.clone(), large.clone()]), Penetrates::Yes);
+        assert_eq!(penetrates(&[large.clone(), both]), Penetrates::Yes);
     }
-    assert_eq!(ask(&[fin, large]), Penetrates::No);
+    assert_eq!(penetrates(&[fin, large]), Penetrates::No);
 }
 
 #[test]
-fn a_body_that_is_touched_in_every_point_asked_about_is_not_called_clear() {
-    // A tetrahedron inside a cube, with a spike from outside to each of the points of its faces
-    // that are asked about.
+fn a_body_touched_at_every_tested_point_is_not_reported_apart() {
+    // A tetrahedron inside a cube. A spike from outside touches each point of its faces that is
+    // tested.
     let body = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]];
     let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
     let mut around = bricks::mesh(&mut Rng::new(76), &[Brick::new([-20; 3], [20; 3])], Cut::Whole);
@@ -217,7 +224,7 @@ fn a_body_that_is_touched_in_every_point_asked_about_is_not_called_clear() {
         }
     }
     let body = Mesh { vertices: body.to_vec(), faces: faces.map(|face| face.map(|i| i as u32)).to_vec() };
-    let answer = ask(&[body.clone(), around.clone()]);
+    let answer = penetrates(&[body.clone(), around.clone()]);
     assert!(answer.possibly());
-    assert_eq!(ask(&[around, body]), answer);
+    assert_eq!(penetrates(&[around, body]), answer);
 }

@@ -1,4 +1,4 @@
-//! Trees of planes over the faces of meshes, against the mesh asked itself and against solid angles.
+//! BSP trees over the faces of meshes, against the mesh itself and against solid angles.
 
 use impinge::mesh::Containment::{Inside, Outside, Surface};
 use impinge::mesh::{Ray, SolidBsp};
@@ -9,7 +9,7 @@ use crate::solids::shapes::{engine, flipped, moved, soup, sphere, without_faces}
 use crate::solids::winding::{boxes, expected, grid_points};
 
 #[test]
-fn n14_grid_points_are_where_solid_angles_say() {
+fn points_on_the_grid_agree_with_solid_angles() {
     let tetrahedron = solids::tetrahedron().scaled(4.0);
     let round = solids::cube_sphere(3).scaled(4.0);
     let meshes = [boxes(), flipped(boxes()), tetrahedron.clone(), moved(tetrahedron, [0.5, 0.0, -0.5]), round];
@@ -20,7 +20,7 @@ fn n14_grid_points_are_where_solid_angles_say() {
             let mut counts = [0; 3];
             let points = grid_points(-1, 7);
             let truth: Vec<_> = points.iter().map(|&point| expected(&mesh, point)).collect();
-            // Again once the cells know what they are.
+            // The second pass uses the classification of cells that the first one cached.
             for (point, &truth) in points.iter().zip(&truth).chain(points.iter().zip(&truth)) {
                 let found = tree.contains(*point).expect("a finite point");
                 assert_eq!(found, truth, "mesh {number} at {point:?}");
@@ -31,7 +31,7 @@ fn n14_grid_points_are_where_solid_angles_say() {
     }
 }
 
-/// Rays at random and along grid lines, through corners and edges.
+/// Returns random rays, half of them along grid lines through corners and edges.
 fn rays(rng: &mut Rng, count: usize, reach: f64) -> Vec<Ray> {
     let half = |x: f64| (2.0 * x).round() / 2.0;
     (0..count)
@@ -51,7 +51,7 @@ fn rays(rng: &mut Rng, count: usize, reach: f64) -> Vec<Ray> {
 }
 
 #[test]
-fn rays_meet_the_same_face_first() {
+fn rays_hit_the_same_face_first() {
     let mut rng = Rng::new(71);
     let meshes = [
         boxes(),
@@ -75,13 +75,13 @@ fn rays_meet_the_same_face_first() {
 }
 
 #[test]
-fn cells_of_round_solids_are_shallow_and_tell_for_all_their_points() {
+fn cells_of_round_solids_are_shallow_and_classify_all_their_points() {
     let mut rng = Rng::new(72);
     for subdivisions in [2, 4] {
         let mesh = engine(&solids::icosphere(subdivisions));
         let faces = mesh.faces().len();
         let tree = SolidBsp::build(&mesh);
-        // Planes of faces alone would be as many on the way as there are faces.
+        // With planes of faces alone the depth would equal the number of faces.
         assert!(tree.depth() < 64 && tree.cells() > faces, "{} deep, {} cells", tree.depth(), tree.cells());
         assert!(tree.memory() < 600 * faces, "{} bytes a face", tree.memory() / faces);
         let points: Vec<[f64; 3]> = (0..20_000).map(|_| std::array::from_fn(|_| rng.uniform(-1.1, 1.1))).collect();
@@ -93,7 +93,7 @@ fn cells_of_round_solids_are_shallow_and_tell_for_all_their_points() {
 }
 
 #[test]
-fn n10_n28_bad_meshes_are_bounded_work_and_right() {
+fn degenerate_meshes_have_small_trees_and_right_answers() {
     let mut rng = Rng::new(73);
     let coincident: Vec<[u32; 3]> = (0..2_000).map(|_| [0, 1, 2]).collect();
     let corners = vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [2.0, 0.0, 0.0]];

@@ -1,4 +1,4 @@
-//! One mesh inside another.
+//! Containment of one mesh in another.
 
 use impinge::query::{self, Contained, SolidIntersection};
 use impinge::{Mesh, Pose};
@@ -6,14 +6,18 @@ use impinge_testkit::Affine;
 use impinge_testkit::generate::{Rng, poses, solids};
 
 use crate::solids::shapes::{
-    A, B, BOTH, NEITHER, engine, flipped, is_on_surface, moved, pose, solid_angles, soup, sphere, taken, without_faces,
+    A, B, BOTH, NEITHER, engine, flipped, is_on_surface, moved, pose, solid_angles, soup, sphere, surface_or_solid,
+    without_faces,
 };
 
-fn ask(a: (&Mesh, &Affine), b: (&Mesh, &Affine), solid: [bool; 2]) -> SolidIntersection {
+fn solid_intersection(a: (&Mesh, &Affine), b: (&Mesh, &Affine), solid: [bool; 2]) -> SolidIntersection {
     let (placed_a, placed_b) = (a.0.at(pose(a.1)), b.0.at(pose(b.1)));
-    let answer = query::solid_intersection(taken(placed_a, solid[0]), taken(placed_b, solid[1]));
-    assert_eq!(query::intersects(taken(placed_a, solid[0]), taken(placed_b, solid[1])), answer.intersects);
-    let swapped = query::solid_intersection(taken(placed_b, solid[1]), taken(placed_a, solid[0]));
+    let answer = query::solid_intersection(surface_or_solid(placed_a, solid[0]), surface_or_solid(placed_b, solid[1]));
+    assert_eq!(
+        query::intersects(surface_or_solid(placed_a, solid[0]), surface_or_solid(placed_b, solid[1])),
+        answer.intersects
+    );
+    let swapped = query::solid_intersection(surface_or_solid(placed_b, solid[1]), surface_or_solid(placed_a, solid[0]));
     assert_eq!((swapped.intersects, swapped.undecided), (answer.intersects, answer.undecided), "swapping");
     assert_eq!(swapped.contained.map(Contained::sides), answer.contained.map(|c| [c.sides()[1], c.sides()[0]]));
     assert_eq!(swapped.open, [answer.open[1], answer.open[0]]);
@@ -23,57 +27,58 @@ fn ask(a: (&Mesh, &Affine), b: (&Mesh, &Affine), solid: [bool; 2]) -> SolidInter
 const HERE: Affine = Affine::IDENTITY;
 
 #[test]
-fn n17_a_mesh_wholly_inside_another_meets_it_as_a_solid() {
+fn a_mesh_inside_another_intersects_its_solid() {
     let (large, small) = (engine(&sphere().scaled(4.0)), engine(&soup(&sphere())));
-    let none = SolidIntersection { intersects: false, contained: None, undecided: false, open: [false; 2] };
-    let inside = SolidIntersection { intersects: true, contained: Some(Contained::A), ..none };
-    assert_eq!(ask((&small, &HERE), (&large, &HERE), NEITHER), none);
-    assert_eq!(ask((&small, &HERE), (&large, &HERE), A), none);
-    assert_eq!(ask((&small, &HERE), (&large, &HERE), B), inside);
-    assert_eq!(ask((&small, &HERE), (&large, &HERE), BOTH), inside);
+    let apart = SolidIntersection { intersects: false, contained: None, undecided: false, open: [false; 2] };
+    let inside = SolidIntersection { intersects: true, contained: Some(Contained::A), ..apart };
+    assert_eq!(solid_intersection((&small, &HERE), (&large, &HERE), NEITHER), apart);
+    assert_eq!(solid_intersection((&small, &HERE), (&large, &HERE), A), apart);
+    assert_eq!(solid_intersection((&small, &HERE), (&large, &HERE), B), inside);
+    assert_eq!(solid_intersection((&small, &HERE), (&large, &HERE), BOTH), inside);
     let beside = Affine::translation([9.0, 0.0, 0.0]);
-    assert_eq!(ask((&small, &beside), (&large, &HERE), BOTH), none);
+    assert_eq!(solid_intersection((&small, &beside), (&large, &HERE), BOTH), apart);
     let across = Affine::translation([4.0, 0.0, 0.0]);
-    let answer = ask((&small, &across), (&large, &HERE), BOTH);
-    assert_eq!(answer, SolidIntersection { intersects: true, ..none });
+    let answer = solid_intersection((&small, &across), (&large, &HERE), BOTH);
+    assert_eq!(answer, SolidIntersection { intersects: true, ..apart });
 }
 
 #[test]
-fn n17_components_are_asked_one_by_one() {
-    // Each has a part inside the other, and a third part that only touches counts for neither.
+fn components_are_tested_one_by_one() {
+    // Each mesh has a part inside the other one. A third part that only touches counts for neither.
     let ring = |size: f64, at: [f64; 3]| moved(solids::cuboid([-size; 3], [size; 3]), at);
     let a = ring(4.0, [0.0; 3]).joined(&ring(1.0, [20.0, 0.0, 0.0]));
     let b = ring(4.0, [20.0, 0.0, 0.0]).joined(&ring(1.0, [0.0; 3]));
     let touching = b.clone().joined(&ring(1.0, [-5.0, 0.0, 0.0]));
     let shell = engine(&ring(4.0, [0.0; 3]).joined(&flipped(ring(3.0, [0.0; 3]))));
     let (a, b, touching) = (engine(&a), engine(&b), engine(&touching));
-    assert_eq!(ask((&a, &HERE), (&b, &HERE), BOTH).contained, Some(Contained::Both));
-    assert_eq!(ask((&a, &HERE), (&b, &HERE), A).contained, Some(Contained::B));
-    assert_eq!(ask((&a, &HERE), (&touching, &HERE), BOTH).contained, Some(Contained::Both));
-    // In the hollow of a shell is not inside it; in its wall is.
+    assert_eq!(solid_intersection((&a, &HERE), (&b, &HERE), BOTH).contained, Some(Contained::Both));
+    assert_eq!(solid_intersection((&a, &HERE), (&b, &HERE), A).contained, Some(Contained::B));
+    assert_eq!(solid_intersection((&a, &HERE), (&touching, &HERE), BOTH).contained, Some(Contained::Both));
+    // A probe in the hollow of a shell is not inside it. A probe in its wall is.
     let probe = engine(&ring(0.25, [0.0; 3]));
-    assert_eq!(ask((&probe, &HERE), (&shell, &HERE), BOTH).contained, None);
+    assert_eq!(solid_intersection((&probe, &HERE), (&shell, &HERE), BOTH).contained, None);
     let in_wall = Affine::translation([0.0, 3.5, 0.0]);
-    assert_eq!(ask((&probe, &in_wall), (&shell, &HERE), BOTH).contained, Some(Contained::A));
+    assert_eq!(solid_intersection((&probe, &in_wall), (&shell, &HERE), BOTH).contained, Some(Contained::A));
 }
 
 #[test]
-fn n18_open_and_flipped_meshes_have_a_sensible_inside_and_say_so() {
+fn open_and_flipped_meshes_have_an_inside_and_are_reported_open() {
     let open = engine(&without_faces(sphere().scaled(4.0), &[0, 1, 2]));
     let small = engine(&sphere());
-    let answer = ask((&small, &HERE), (&open, &HERE), BOTH);
+    let answer = solid_intersection((&small, &HERE), (&open, &HERE), BOTH);
     assert_eq!((answer.contained, answer.open, answer.undecided), (Some(Contained::A), [false, true], false));
     let inside_out = engine(&flipped(sphere().scaled(4.0)));
-    assert_eq!(ask((&small, &HERE), (&inside_out, &HERE), B).contained, Some(Contained::A));
-    // Just within the opening of a box without its lid, half of all directions are open.
+    assert_eq!(solid_intersection((&small, &HERE), (&inside_out, &HERE), B).contained, Some(Contained::A));
+    // At a point in the opening of a box without its lid, the box covers exactly half of all
+    // directions.
     let lidless = engine(&without_faces(solids::cuboid([0.0; 3], [2.0; 3]), &[2, 3]));
     let point = Mesh::new(impinge::Positions::F64(vec![[0.75, 1.25, 2.0]]), vec![[0, 0, 0]]).expect("a point");
-    let answer = ask((&point, &HERE), (&lidless, &HERE), B);
+    let answer = solid_intersection((&point, &HERE), (&lidless, &HERE), B);
     assert!(answer.undecided && answer.intersects && answer.contained == Some(Contained::A));
 }
 
 #[test]
-fn n20_mirrors_shears_and_rotations_keep_what_is_inside() {
+fn mirrors_shears_and_rotations_keep_containment() {
     let mut rng = Rng::new(11);
     let (large, small) = (engine(&sphere().scaled(4.0)), engine(&sphere()));
     let mut inside = 0;
@@ -87,9 +92,10 @@ fn n20_mirrors_shears_and_rotations_keep_what_is_inside() {
         };
         let offset: [f64; 3] = std::array::from_fn(|_| rng.uniform(-6.0, 6.0));
         let map_b = Affine { translation: std::array::from_fn(|k| map_a.translation[k] + offset[k]), ..map_b };
-        let answer = ask((&large, &map_a), (&small, &map_b), A);
+        let answer = solid_intersection((&large, &map_a), (&small, &map_b), A);
         if !query::intersects(large.at(pose(&map_a)), small.at(pose(&map_b))) {
-            // A sphere of radius 4 stays one under maps that turn it; which side the centre is on tells.
+            // A sphere of radius 4 stays one under maps that turn it. The distance of the center
+            // decides.
             let distance = offset.iter().map(|x| x * x).sum::<f64>().sqrt();
             assert_eq!(answer.contained.is_some(), distance < 4.0, "case {case}");
             inside += usize::from(answer.contained.is_some());
@@ -98,16 +104,16 @@ fn n20_mirrors_shears_and_rotations_keep_what_is_inside() {
     assert!((3..40).contains(&inside), "{inside}");
 }
 
-/// Points of the grid, of another mesh, placed by integer maps so that they are on the grid of the boxes: many are on
-/// their surface, or in line with edges and corners, where no float decides.
+/// Checks points of another mesh that integer maps place on the grid of the boxes. Many lie on
+/// their surface, or in line with edges and corners, so that no float decides.
 #[test]
-fn n13_n14_posed_points_are_decided_exactly() {
+fn posed_points_are_decided_exactly() {
     let mut rng = Rng::new(3);
     let boxes = solids::cuboid([0.0; 3], [4.0; 3])
         .joined(&flipped(solids::cuboid([1.0; 3], [3.0; 3])))
         .joined(&solids::cuboid([4.0, 4.0, 0.0], [5.0, 5.0, 1.0]));
     let outer = engine(&boxes);
-    // Orthogonal up to a scale of 13, of integers; one of them mirrors.
+    // Integers, orthogonal up to a scale of 13. One of the two maps mirrors.
     let turn = [[3.0, 4.0, 12.0], [-4.0, 12.0, -3.0], [-12.0, -3.0, 4.0]];
     let mut counts = [0; 3];
     for case in 0..400 {
@@ -122,7 +128,7 @@ fn n13_n14_posed_points_are_decided_exactly() {
         let seen: [f64; 3] = std::array::from_fn(|_| rng.integer(-1, 9) as f64 / 2.0);
         let local: [f64; 3] = std::array::from_fn(|k| seen[k] - shift[k]);
         let point = Mesh::new(impinge::Positions::F64(vec![local]), vec![[0, 0, 0]]).expect("a point");
-        let answer = ask((&outer, &world_from_outer), (&point, &world_from_point), A);
+        let answer = solid_intersection((&outer, &world_from_outer), (&point, &world_from_point), A);
         let on_surface = is_on_surface(&boxes, seen);
         let inside = !on_surface && solid_angles(&boxes, seen).round() != 0.0;
         assert_eq!(answer.contained, inside.then_some(Contained::B), "case {case}: {seen:?}");
@@ -134,22 +140,25 @@ fn n13_n14_posed_points_are_decided_exactly() {
 }
 
 #[test]
-fn moving_both_and_scaling_both_change_nothing() {
+fn moving_both_or_scaling_both_keeps_containment() {
     let (large, small) = (engine(&sphere().scaled(4.0)), engine(&sphere()));
     let move_both = Pose::from_quaternion_wxyz([1e6, -3.0, 7.0], [0.5, 0.5, -0.5, 0.5]).expect("legal");
-    let answer = query::solid_intersection(taken(large.at(move_both), true), taken(small.at(move_both), true));
+    let answer = query::solid_intersection(
+        surface_or_solid(large.at(move_both), true),
+        surface_or_solid(small.at(move_both), true),
+    );
     assert_eq!(answer.contained, Some(Contained::B));
     for exponent in [-100, 60, 100] {
         let factor = 2.0_f64.powi(exponent);
         let (large, small) = (engine(&sphere().scaled(4.0 * factor)), engine(&sphere().scaled(factor)));
-        let answer = query::solid_intersection(taken(&large, true), taken(&small, true));
+        let answer = query::solid_intersection(surface_or_solid(&large, true), surface_or_solid(&small, true));
         assert_eq!(answer.contained, Some(Contained::B), "2^{exponent}");
     }
 }
 
 #[test]
-fn n8_nothing_is_inside_of_nothing() {
+fn empty_meshes_contain_nothing() {
     let (empty, cube) = (engine(&impinge_testkit::Mesh::default()), engine(&solids::cuboid([0.0; 3], [1.0; 3])));
-    assert!(!ask((&empty, &HERE), (&cube, &HERE), BOTH).intersects);
-    assert!(!ask((&empty, &HERE), (&empty, &HERE), BOTH).intersects);
+    assert!(!solid_intersection((&empty, &HERE), (&cube, &HERE), BOTH).intersects);
+    assert!(!solid_intersection((&empty, &HERE), (&empty, &HERE), BOTH).intersects);
 }

@@ -1,4 +1,4 @@
-//! What is inside: winding numbers, containment, interiors that meet, and meshes that meet themselves.
+//! Solids: winding numbers, containment, overlap of interiors, and self-intersection.
 
 mod bricks;
 mod bsp;

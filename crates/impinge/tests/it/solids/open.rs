@@ -1,5 +1,5 @@
-//! Open meshes beside others: away from what would close its border, an open mesh is as good as a
-//! closed one.
+//! Open meshes beside others: away from the surfaces that could close its border, an open mesh is
+//! decided like a closed one.
 
 use impinge::query::{self, Penetrates};
 use impinge_testkit::generate::bricks::{self, Brick, Cut, Scene};
@@ -8,15 +8,15 @@ use impinge_testkit::{Affine, Mesh, rounds};
 
 use crate::solids::shapes::{engine, moved, pose, sphere, without_faces};
 
-fn ask(a: &Mesh, b: &Mesh) -> Penetrates {
+fn penetrates(a: &Mesh, b: &Mesh) -> Penetrates {
     let (a, b) = (engine(a), engine(b));
     let answer = query::penetrates(&a, &b);
     assert_eq!(query::penetrates(&b, &a), answer, "swapping");
     answer
 }
 
-/// The unit cube whose corner at the origin is 2.7e-16 lower for one of its faces: its export
-/// rounded twice.
+/// Returns a unit cube with a crack: for one of its faces the corner at the origin is 2.7e-16
+/// lower, as after exports that round twice.
 fn cracked_cube() -> Mesh {
     let mut mesh = solids::cuboid([0.0; 3], [1.0; 3]);
     let lower = mesh.vertices.len() as u32;
@@ -28,60 +28,61 @@ fn cracked_cube() -> Mesh {
 }
 
 #[test]
-fn a_crack_is_no_reason_to_penetrate_what_is_apart() {
+fn cracked_meshes_apart_do_not_penetrate() {
     let cracked = cracked_cube();
     assert!(!engine(&cracked).is_closed());
     for gap in [1e-6, 1e-3, 0.1, 0.5, 0.9, 1.2, 5.0] {
         for along in [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, -1.0]] {
             let beside = moved(cracked.clone(), along.map(|x: f64| x * (1.0 + gap)));
-            assert_eq!(ask(&cracked, &beside), Penetrates::No, "{gap} along {along:?}");
+            assert_eq!(penetrates(&cracked, &beside), Penetrates::No, "{gap} along {along:?}");
         }
     }
-    // Their boxes overlap, and nothing else: a part in a corner of an angle.
+    // Only their boxes overlap: one mesh stands in the corner of an angle.
     let angle = moved(cracked.clone(), [0.0, 0.0, -2.0]).joined(&solids::cuboid([2.0, 0.0, -2.0], [3.0, 1.0, 2.0]));
-    assert_eq!(ask(&cracked, &angle), Penetrates::No);
+    assert_eq!(penetrates(&cracked, &angle), Penetrates::No);
 }
 
 #[test]
 fn touching_far_from_a_crack_is_decided() {
-    // The crack is in the side where x is 0.
+    // The crack is in the side at x = 0.
     let cracked = cracked_cube();
     let small = |x: f64| solids::cuboid([x, 0.25, 0.25], [x + 0.5, 0.75, 0.75]);
-    assert_eq!(ask(&cracked, &small(1.0)), Penetrates::No);
-    assert_eq!(ask(&cracked, &small(1.0_f64.next_down())), Penetrates::Yes);
-    assert_eq!(ask(&cracked, &small(0.25)), Penetrates::Yes, "inside");
-    // A wall upon the crack may be touched there.
-    assert_eq!(ask(&cracked, &solids::cuboid([-1.0, -1.0, -1.0], [0.0, 2.0, 2.0])), Penetrates::Undecided);
+    assert_eq!(penetrates(&cracked, &small(1.0)), Penetrates::No);
+    assert_eq!(penetrates(&cracked, &small(1.0_f64.next_down())), Penetrates::Yes);
+    assert_eq!(penetrates(&cracked, &small(0.25)), Penetrates::Yes, "inside");
+    // A wall on the crack may touch it.
+    assert_eq!(penetrates(&cracked, &solids::cuboid([-1.0, -1.0, -1.0], [0.0, 2.0, 2.0])), Penetrates::Undecided);
 }
 
 #[test]
-fn holes_are_decided_beyond_their_reach() {
+fn touching_beyond_the_reach_of_a_hole_is_decided() {
     let open = without_faces(sphere(), &[0]);
     let corners = sphere().faces[0].map(|vertex| sphere().vertices[vertex as usize]);
     let middle: [f64; 3] = std::array::from_fn(|k| (corners[0][k] + corners[1][k] + corners[2][k]) / 3.0);
     let along = |by: f64| moved(sphere(), middle.map(|x| x * by));
-    assert_eq!(ask(&open, &moved(sphere(), [2.5, 0.0, 0.0])), Penetrates::No);
-    assert_eq!(ask(&open, &moved(sphere(), [1.0, 0.0, 0.0])), Penetrates::Yes);
-    assert_eq!(ask(&open, &along(2.03)), Penetrates::Undecided, "at the hole");
-    assert_eq!(ask(&open, &along(2.5)), Penetrates::No);
-    assert_eq!(ask(&open, &along(-2.03)), Penetrates::No, "on the other side");
-    assert_eq!(ask(&open.clone().scaled(0.25), &sphere()), Penetrates::Yes);
-    assert_eq!(ask(&open, &sphere().scaled(0.25)), Penetrates::Yes);
-    assert_eq!(ask(&open, &Mesh::default()), Penetrates::No);
+    assert_eq!(penetrates(&open, &moved(sphere(), [2.5, 0.0, 0.0])), Penetrates::No);
+    assert_eq!(penetrates(&open, &moved(sphere(), [1.0, 0.0, 0.0])), Penetrates::Yes);
+    assert_eq!(penetrates(&open, &along(2.03)), Penetrates::Undecided, "at the hole");
+    assert_eq!(penetrates(&open, &along(2.5)), Penetrates::No);
+    assert_eq!(penetrates(&open, &along(-2.03)), Penetrates::No, "on the other side");
+    assert_eq!(penetrates(&open.clone().scaled(0.25), &sphere()), Penetrates::Yes);
+    assert_eq!(penetrates(&open, &sphere().scaled(0.25)), Penetrates::Yes);
+    assert_eq!(penetrates(&open, &Mesh::default()), Penetrates::No);
 }
 
 #[test]
-fn the_reach_of_a_hole_is_that_of_the_frame_of_its_mesh() {
-    // A cube without its upper side, twice: more than half inside up to a quarter above the lid.
+fn the_reach_of_a_hole_is_measured_in_the_frame_of_its_mesh() {
+    // A cube without its upper side, twice: the winding number exceeds 0.5 up to a quarter above
+    // the opening.
     let cup = without_faces(solids::cuboid([0.0; 3], [1.0; 3]), &[2, 3]);
     let cup = engine(&cup.clone().joined(&cup));
     let lid = engine(&moved(solids::cuboid([-9.0, -9.0, 0.0], [9.0, 9.0, 9.0]), [0.0, 0.0, 1.125]));
-    // Thin, it is as high as it was.
+    // A thin cube has the same height.
     let thin = Affine { linear: [[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
     assert_eq!(query::penetrates(cup.at(pose(&thin)), &lid), Penetrates::Undecided);
 }
 
-/// A corner of one square is off by the last bits, so that cracks open at the two edges there.
+/// Moves one coordinate of a corner by 1e-15, so that cracks open at the edges there.
 fn with_a_crack(rng: &mut Rng, mut mesh: Mesh) -> Mesh {
     if !mesh.vertices.is_empty() {
         let vertex = rng.integer(0, mesh.vertices.len() as i64 - 1) as usize;
@@ -102,20 +103,20 @@ fn cracked_bricks_are_never_answered_wrongly() {
         let b =
             moved(if rng.one_in(2) { with_a_crack(&mut rng, b) } else { b }, scene.half_steps.map(|x| x as f64 / 2.0));
         let expected = if scene.penetrates() { Penetrates::Yes } else { Penetrates::No };
-        let answer = ask(&a, &b);
+        let answer = penetrates(&a, &b);
         assert!(answer == Penetrates::Undecided || answer == expected, "case {case}: {answer:?}, {scene:?}");
         let (again_a, again_b) = (bricks::reordered(&mut rng, a), bricks::reordered(&mut rng, b));
-        assert_eq!(ask(&again_a, &again_b), answer, "case {case}, in another order: {scene:?}");
+        assert_eq!(penetrates(&again_a, &again_b), answer, "case {case}, in another order: {scene:?}");
         decided += usize::from(answer == expected);
         touching += usize::from(answer == expected && !scene.penetrates() && scene.touches());
     }
     assert!(10 * decided > 4 * scenes, "{decided} of {scenes} are decided");
-    assert!(100 * touching > 2 * scenes, "{touching} of {scenes} are proved to touch alone");
+    assert!(100 * touching > 2 * scenes, "{touching} of {scenes} are proved to touch only");
 }
 
 #[test]
-fn a_wall_far_from_a_crack_is_known() {
-    // Bricks as fine as the lattice, with a crack in one corner: all touching at the other end is
+fn touching_at_a_wall_far_from_a_crack_is_decided() {
+    // Bricks as fine as the lattice, with a crack in one corner: touching at the other end is
     // decided.
     let mut rng = Rng::new(82);
     let mut long = bricks::mesh(&mut rng, &[Brick::new([0; 3], [4, 2, 2])], Cut::AsLattice);
@@ -123,8 +124,8 @@ fn a_wall_far_from_a_crack_is_known() {
     long.vertices[crack][0] -= 1e-15;
     let other = bricks::mesh(&mut rng, &[Brick::new([0; 3], [4, 2, 2])], Cut::AsLattice);
     assert!(!engine(&long).is_closed());
-    assert_eq!(ask(&long, &moved(other.clone(), [4.0, 0.0, 0.0])), Penetrates::No);
-    assert_eq!(ask(&long, &moved(other.clone(), [4.0, 1.0, 0.5])), Penetrates::No);
-    assert_eq!(ask(&long, &moved(other.clone(), [3.5, 0.0, 0.0])), Penetrates::Yes);
-    assert_eq!(ask(&long, &moved(other, [-4.0, 0.0, 0.0])), Penetrates::Undecided);
+    assert_eq!(penetrates(&long, &moved(other.clone(), [4.0, 0.0, 0.0])), Penetrates::No);
+    assert_eq!(penetrates(&long, &moved(other.clone(), [4.0, 1.0, 0.5])), Penetrates::No);
+    assert_eq!(penetrates(&long, &moved(other.clone(), [3.5, 0.0, 0.0])), Penetrates::Yes);
+    assert_eq!(penetrates(&long, &moved(other, [-4.0, 0.0, 0.0])), Penetrates::Undecided);
 }

@@ -1,5 +1,5 @@
-//! The order of the faces, and which corner of a face comes first, change no answer of any verb
-//! about solids.
+//! Invariance of solids: neither the order of the faces nor the first corner of a face changes an
+//! answer.
 
 use impinge::mesh::Containment;
 use impinge::query;
@@ -9,10 +9,10 @@ use impinge_testkit::generate::solids::cuboid;
 use impinge_testkit::generate::{Rng, poses};
 use impinge_testkit::{Affine, Mesh as Plain, rounds};
 
-use crate::solids::shapes::{A, B, BOTH, NEITHER, engine, moved, pose, sphere, taken, without_faces};
+use crate::solids::shapes::{A, B, BOTH, NEITHER, engine, moved, pose, sphere, surface_or_solid, without_faces};
 
-/// All that the verbs about two solids answer, but for where: witnesses and normals may be any of
-/// those that tie.
+/// Answers of the verbs about two solids, without witnesses and normals, which may be any of those
+/// that tie.
 #[derive(Debug, PartialEq)]
 struct Answers {
     penetrates: query::Penetrates,
@@ -22,29 +22,37 @@ struct Answers {
     within: [bool; 8],
 }
 
-fn ask(a: &Mesh, b: &Mesh, place: Pose) -> Answers {
+fn answers_about(a: &Mesh, b: &Mesh, place: Pose) -> Answers {
     let b = b.at(place);
     let solids = [NEITHER, A, B, BOTH];
-    let within = [0, 1, 2, 3, 4, 5, 6, 7]
-        .map(|i| query::within(taken(a, solids[i % 4][0]), taken(b, solids[i % 4][1]), if i < 4 { 0.0 } else { 0.75 }));
-    let intersections = solids.map(|solid| query::solid_intersection(taken(a, solid[0]), taken(b, solid[1])));
+    let within = [0, 1, 2, 3, 4, 5, 6, 7].map(|i| {
+        query::within(
+            surface_or_solid(a, solids[i % 4][0]),
+            surface_or_solid(b, solids[i % 4][1]),
+            if i < 4 { 0.0 } else { 0.75 },
+        )
+    });
+    let intersections =
+        solids.map(|solid| query::solid_intersection(surface_or_solid(a, solid[0]), surface_or_solid(b, solid[1])));
     for (solid, found) in solids.into_iter().zip(&intersections) {
-        assert_eq!(query::intersects(taken(a, solid[0]), taken(b, solid[1])), found.intersects);
+        assert_eq!(query::intersects(surface_or_solid(a, solid[0]), surface_or_solid(b, solid[1])), found.intersects);
     }
     Answers {
         penetrates: query::penetrates(a, b),
         intersections,
-        proximity: solids.map(|solid| query::proximity(taken(a, solid[0]), taken(b, solid[1]))),
-        are_at_distance_zero: solids.map(|solid| query::distance(taken(a, solid[0]), taken(b, solid[1])).upper == 0.0),
+        proximity: solids.map(|solid| query::proximity(surface_or_solid(a, solid[0]), surface_or_solid(b, solid[1]))),
+        are_at_distance_zero: solids
+            .map(|solid| query::distance(surface_or_solid(a, solid[0]), surface_or_solid(b, solid[1])).upper == 0.0),
         within,
     }
 }
 
-/// Proved intervals of one number overlap. Their ends may differ: roundings, and searches that
-/// begin at another of several nearest places, follow the order.
+/// Checks that intervals of the same number overlap. Their ends may differ: rounding depends on the
+/// order, and so does the place from which a search begins.
 fn assert_intervals_agree(ours: [&Mesh; 2], again: [&Mesh; 2], place: Pose) {
     let overlap = |x: [f64; 2], y: [f64; 2]| assert!(x[0] <= y[1] && y[0] <= x[1], "{x:?} {y:?}");
-    let [x, y] = [ours, again].map(|[a, b]| query::distance(taken(a, true), taken(b.at(place), true)));
+    let [x, y] =
+        [ours, again].map(|[a, b]| query::distance(surface_or_solid(a, true), surface_or_solid(b.at(place), true)));
     overlap([x.lower, x.upper], [y.lower, y.upper]);
     match [ours, again].map(|[a, b]| query::penetration(a, b.at(place))) {
         [None, None] => {}
@@ -56,7 +64,8 @@ fn assert_intervals_agree(ours: [&Mesh; 2], again: [&Mesh; 2], place: Pose) {
     }
 }
 
-/// Two meshes and where the second is: bricks on one lattice, spheres with holes, rotated bricks.
+/// Returns two meshes and the pose of the second: bricks on one lattice, spheres with holes, or
+/// rotated bricks.
 fn scene(rng: &mut Rng, case: usize) -> ([Plain; 2], Affine) {
     let bricks = Scene::random(rng);
     let cut = rng.choose(&[Cut::AsLattice, Cut::AsLattice, Cut::Whole]);
@@ -85,8 +94,8 @@ fn the_order_of_the_faces_changes_no_answer_about_solids() {
         let place = pose(&place);
         let again = [&a, &b].map(|mesh| engine(&bricks::reordered(&mut rng, mesh.clone())));
         let [a, b] = [&a, &b].map(engine);
-        let answers = ask(&a, &b, place);
-        assert_eq!(ask(&again[0], &again[1], place), answers, "case {case}");
+        let answers = answers_about(&a, &b, place);
+        assert_eq!(answers_about(&again[0], &again[1], place), answers, "case {case}");
         if case.is_multiple_of(5) {
             assert_intervals_agree([&a, &b], again.each_ref(), place);
             deep += usize::from(answers.penetrates == query::Penetrates::Yes);
@@ -100,7 +109,7 @@ fn the_order_of_the_faces_changes_no_answer_about_solids() {
 }
 
 #[test]
-fn the_order_of_the_faces_changes_nothing_about_points() {
+fn the_order_of_the_faces_changes_no_answer_about_points() {
     let mut rng = Rng::new(92);
     let cases = rounds(100);
     let (mut closed, mut inside) = (0, 0);
@@ -124,15 +133,18 @@ fn the_order_of_the_faces_changes_nothing_about_points() {
 }
 
 #[test]
-fn which_point_an_open_mesh_is_asked_about_does_not_follow_the_order() {
-    // A rod that stands in a box without its upper side, half of it outside, and touches nothing.
+fn the_tested_point_of_an_open_mesh_does_not_depend_on_the_order() {
+    // A rod in a box without its upper side. Half of the rod is outside, and nothing touches.
     let open = engine(&without_faces(cuboid([0.0; 3], [1.0; 3]), &[2, 3]));
     let rod = cuboid([0.375, 0.375, 0.25], [0.625, 0.625, 4.0]);
     let mut rng = Rng::new(93);
     let answers = |rod: Plain| {
         let rod = engine(&rod);
         assert!(!query::intersects(&open, &rod));
-        (query::penetrates(&open, &rod), query::solid_intersection(taken(&open, true), taken(&rod, true)))
+        (
+            query::penetrates(&open, &rod),
+            query::solid_intersection(surface_or_solid(&open, true), surface_or_solid(&rod, true)),
+        )
     };
     let expected = answers(rod.clone());
     for _ in 0..40 {

@@ -1,5 +1,5 @@
-//! The vertices that regions of contact have inside, against asking for each vertex alone; on grids, so that corners, edges and faces
-//! touch as often as they cross.
+//! Vertices inside the other mesh that contact patches list, against testing each vertex alone. On
+//! grids, corners, edges and faces touch as often as they cross.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -11,14 +11,15 @@ use impinge_testkit::generate::{Rng, poses, solids};
 
 use crate::solids::shapes::{engine, flipped, moved, pose, soup};
 
-/// For each vertex the first one at its position.
+/// Returns for each vertex the first vertex at its position.
 fn first_at(mesh: &impinge_testkit::Mesh) -> Vec<u32> {
     let mut first: HashMap<[u64; 3], u32> = HashMap::new();
     let of = |(number, v): (u32, &[f64; 3])| *first.entry(v.map(|x| (x + 0.0).to_bits())).or_insert(number);
     (0..).zip(&mesh.vertices).map(of).collect()
 }
 
-/// The vertices of `mesh` at faces that meet `other`, by whether they are inside that; both are in one frame.
+/// Returns the vertices of the touched faces of `mesh` that are inside `other`. Both meshes are in
+/// one frame.
 fn truth(mesh: &impinge_testkit::Mesh, other: &Mesh, touched: &BTreeSet<u32>) -> BTreeSet<u32> {
     let first_at = first_at(mesh);
     let corners = touched.iter().flat_map(|&face| mesh.faces[face as usize]);
@@ -28,7 +29,8 @@ fn truth(mesh: &impinge_testkit::Mesh, other: &Mesh, touched: &BTreeSet<u32>) ->
     vertices.into_iter().zip(at).filter(|(_, at)| *at == Containment::Inside).map(|(vertex, _)| vertex).collect()
 }
 
-/// A solid whose corners are on a grid: a box, two that overlap, a shell, a ball; as a soup by chance, and with faces without area.
+/// Returns a solid with corners on a grid: a box, two boxes, a shell or a rounded sphere. Some are
+/// soups, and some have faces without area.
 fn solid(rng: &mut Rng) -> impinge_testkit::Mesh {
     let cuboid = |rng: &mut Rng| {
         let low: [i64; 3] = std::array::from_fn(|_| rng.integer(-3, 1));
@@ -39,7 +41,7 @@ fn solid(rng: &mut Rng) -> impinge_testkit::Mesh {
         0 => cuboid(rng),
         1 => cuboid(rng).joined(&cuboid(rng)),
         2 => solids::cuboid([-3.0; 3], [3.0; 3]).joined(&flipped(solids::cuboid([-2.0; 3], [2.0; 3]))),
-        // Of the small integers that the corners of a fine cube are moved to.
+        // The corners of a finely divided cube, moved to small integers.
         _ => {
             let mut ball = solids::cube_sphere(4);
             ball.vertices.iter_mut().for_each(|v| *v = v.map(|x| (3.0 * x).round()));
@@ -54,13 +56,13 @@ fn solid(rng: &mut Rng) -> impinge_testkit::Mesh {
 }
 
 #[test]
-fn n13_n14_vertices_inside_are_those_that_are() {
+fn patches_list_exactly_the_vertices_inside() {
     let mut rng = Rng::new(591);
     let (mut inside, mut outside, mut patches, mut deeper) = (0, 0, 0, 0);
     for case in 0..600 {
         let plain = [solid(&mut rng), solid(&mut rng)];
         let meshes = plain.each_ref().map(engine);
-        // The same place for both changes nothing of what is where.
+        // The same pose for both changes no answer.
         let place = if case % 2 == 0 { Affine::IDENTITY } else { poses::rotation(&mut rng) };
         let (a, b) = (meshes[0].at(pose(&place)), meshes[1].at(pose(&place)));
         let found = query::contact_patches(a, b);
@@ -73,16 +75,16 @@ fn n13_n14_vertices_inside_are_those_that_are() {
                 .iter()
                 .flat_map(|&face| plain[side].faces[face as usize].map(|vertex| first_at[vertex as usize]))
                 .collect();
-            let told: BTreeSet<u32> = found.iter().flat_map(|patch| &patch.inside[side]).copied().collect();
-            let told_at_curves: BTreeSet<u32> = told.intersection(&at_curves).copied().collect();
-            assert_eq!(told_at_curves, truth, "{case} {side} {plain:?}");
-            // Those that hang together with them are inside too.
-            let points: Vec<[f64; 3]> = told.iter().map(|&vertex| plain[side].vertices[vertex as usize]).collect();
+            let listed: BTreeSet<u32> = found.iter().flat_map(|patch| &patch.inside[side]).copied().collect();
+            let listed_at_curves: BTreeSet<u32> = listed.intersection(&at_curves).copied().collect();
+            assert_eq!(listed_at_curves, truth, "{case} {side} {plain:?}");
+            // Vertices connected with them are inside too.
+            let points: Vec<[f64; 3]> = listed.iter().map(|&vertex| plain[side].vertices[vertex as usize]).collect();
             let all = meshes[1 - side].contains(&points).expect("in range");
             assert!(all.iter().all(|at| *at == Containment::Inside), "{case} {side} {plain:?}");
             inside += truth.len();
             outside += at_curves.len() - truth.len();
-            deeper += told.len() - truth.len();
+            deeper += listed.len() - truth.len();
         }
         patches += found.len();
     }

@@ -1,5 +1,7 @@
-//! Interiors that meet, against boxes and polycubes, whose interiors are known in integers. Both are full of what makes this
-//! hard: coplanar walls, edges on edges, edges on faces, corners on everything, and no crossing at all.
+//! Overlap of interiors, against boxes and polycubes with interiors known in integers.
+//!
+//! They have many coplanar walls, edges on edges, edges on faces and corners on everything, often
+//! without any crossing.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +11,7 @@ use impinge_testkit::{Affine, Mesh};
 
 use crate::solids::shapes::{engine, flipped, moved, pose, soup, sphere};
 
-fn ask(a: &Mesh, b: &Mesh, maps: [Affine; 2]) -> Penetrates {
+fn penetrates(a: &Mesh, b: &Mesh, maps: [Affine; 2]) -> Penetrates {
     let (mesh_a, mesh_b) = (engine(a), engine(b));
     let (placed_a, placed_b) = (mesh_a.at(pose(&maps[0])), mesh_b.at(pose(&maps[1])));
     let answer = query::penetrates(placed_a, placed_b);
@@ -18,11 +20,11 @@ fn ask(a: &Mesh, b: &Mesh, maps: [Affine; 2]) -> Penetrates {
     answer
 }
 
-fn surely(meet: bool) -> Penetrates {
-    if meet { Penetrates::Yes } else { Penetrates::No }
+fn yes_or_no(overlap: bool) -> Penetrates {
+    if overlap { Penetrates::Yes } else { Penetrates::No }
 }
 
-/// The same place for both; by an integer map, by one with rounded entries, mirrored, and none.
+/// Returns the same pose for both meshes: the identity, an integer map, a rotation, or a mirror.
 fn places(rng: &mut Rng, case: usize) -> [Affine; 2] {
     let place = match case % 4 {
         0 => Affine::IDENTITY,
@@ -35,7 +37,8 @@ fn places(rng: &mut Rng, case: usize) -> [Affine; 2] {
     [place; 2]
 }
 
-/// As `mesh`, but mirrored in its own frame by chance, and moved there by whole numbers, and back by its place.
+/// Returns the same placed mesh with other coordinates: sometimes mirrored in its own frame, and
+/// moved there by integers, which its pose undoes.
 fn shifted(rng: &mut Rng, mesh: Mesh, place: Affine, case: usize) -> (Mesh, Affine) {
     let (mut mesh, mut place) = (mesh, place);
     if rng.one_in(3) {
@@ -43,7 +46,7 @@ fn shifted(rng: &mut Rng, mesh: Mesh, place: Affine, case: usize) -> (Mesh, Affi
         place.linear.iter_mut().for_each(|row| row[0] = -row[0]);
     }
     if case % 4 == 2 {
-        // Not an integer map, for which moving would round.
+        // The map is no integer map, so moving would round.
         return (mesh, place);
     }
     let by: [f64; 3] = std::array::from_fn(|_| rng.integer(-9, 9) as f64);
@@ -52,7 +55,7 @@ fn shifted(rng: &mut Rng, mesh: Mesh, place: Affine, case: usize) -> (Mesh, Affi
     (moved(mesh, by), Affine { translation, ..place })
 }
 
-/// The mesh with other diagonals where that keeps its surface: the faces of each pair that makes a flat quadrilateral.
+/// Returns the mesh with the other diagonal for each pair of faces that forms a flat quadrilateral.
 fn other_diagonals(mut mesh: Mesh) -> Mesh {
     for pair in mesh.faces.chunks_mut(2) {
         // [a, b, c], [a, c, d] becomes [a, b, d], [b, c, d].
@@ -65,7 +68,7 @@ fn other_diagonals(mut mesh: Mesh) -> Mesh {
 }
 
 #[test]
-fn n13_n14_boxes_on_the_grid() {
+fn boxes_on_the_grid_penetrate_as_in_integers() {
     let mut rng = Rng::new(1);
     let (mut touching, mut meeting) = (0, 0);
     for case in 0..600 {
@@ -75,8 +78,8 @@ fn n13_n14_boxes_on_the_grid() {
             [low, high]
         };
         let (a, b) = (corners(), corners());
-        let meet = (0..3).all(|k| a[0][k].max(b[0][k]) < a[1][k].min(b[1][k]));
-        let touch = !meet && (0..3).all(|k| a[0][k].max(b[0][k]) <= a[1][k].min(b[1][k]));
+        let overlap = (0..3).all(|k| a[0][k].max(b[0][k]) < a[1][k].min(b[1][k]));
+        let touch = !overlap && (0..3).all(|k| a[0][k].max(b[0][k]) <= a[1][k].min(b[1][k]));
         let cuboid = |[low, high]: [[i64; 3]; 2]| solids::cuboid(low.map(|x| x as f64), high.map(|x| x as f64));
         let mut mesh_b = cuboid(b);
         if rng.one_in(2) {
@@ -90,14 +93,14 @@ fn n13_n14_boxes_on_the_grid() {
         }
         let [place_a, place_b] = places(&mut rng, case);
         let (mesh_b, place_b) = shifted(&mut rng, mesh_b, place_b, case);
-        assert_eq!(ask(&cuboid(a), &mesh_b, [place_a, place_b]), surely(meet), "case {case}: {a:?} {b:?}");
+        assert_eq!(penetrates(&cuboid(a), &mesh_b, [place_a, place_b]), yes_or_no(overlap), "case {case}: {a:?} {b:?}");
         touching += usize::from(touch);
-        meeting += usize::from(meet);
+        meeting += usize::from(overlap);
     }
     assert!(touching > 100 && meeting > 100, "{touching} {meeting}");
 }
 
-/// The surface of a set of unit cubes, each square cut along a diagonal by chance.
+/// Returns the surface of a set of unit cubes. Each square is cut along a random diagonal.
 fn polycube(rng: &mut Rng, cubes: &BTreeSet<[i64; 3]>) -> Mesh {
     let mut mesh = Mesh::default();
     for &cube in cubes {
@@ -127,11 +130,12 @@ fn polycube(rng: &mut Rng, cubes: &BTreeSet<[i64; 3]>) -> Mesh {
 }
 
 #[test]
-fn n13_n14_n18_polycubes_on_one_grid_and_between_two() {
+fn polycubes_on_one_grid_and_between_two_penetrate_as_in_integers() {
     let mut rng = Rng::new(2);
     let (mut touching, mut meeting) = (0, 0);
     for case in 0..240 {
-        // Sparse sets, with edges and corners where cubes meet only there; b may be half a cube off along each axis.
+        // Sparse sets, whose cubes often touch only in edges and corners. Set b may be shifted by
+        // half a cube along each axis.
         let mut cubes = |sparse: u64| -> BTreeSet<[i64; 3]> {
             let all = (0..27).map(|i| [i / 9, i / 3 % 3, i % 3]);
             all.filter(|_| rng.one_in(sparse)).collect()
@@ -141,61 +145,65 @@ fn n13_n14_n18_polycubes_on_one_grid_and_between_two() {
         let off: [i64; 3] = if case % 3 == 0 { std::array::from_fn(|k| off[k] + 2 * rng.integer(0, 2)) } else { off };
         let overlap =
             |p: &[i64; 3], q: &[i64; 3], distance: i64| (0..3).all(|k| (2 * p[k] - 2 * q[k] - off[k]).abs() < distance);
-        let meet = a.iter().any(|p| b.iter().any(|q| overlap(p, q, 2)));
-        let touch = !meet && a.iter().any(|p| b.iter().any(|q| overlap(p, q, 3)));
+        let overlapping = a.iter().any(|p| b.iter().any(|q| overlap(p, q, 2)));
+        let touch = !overlapping && a.iter().any(|p| b.iter().any(|q| overlap(p, q, 3)));
         let mesh_a = polycube(&mut rng, &a);
         let mesh_b = moved(polycube(&mut rng, &b), off.map(|x| x as f64 / 2.0));
         let [place_a, place_b] = places(&mut rng, case);
         let (mesh_b, place_b) = shifted(&mut rng, mesh_b, place_b, case);
-        assert_eq!(ask(&mesh_a, &mesh_b, [place_a, place_b]), surely(meet), "case {case}: {a:?} {b:?} {off:?}");
+        assert_eq!(
+            penetrates(&mesh_a, &mesh_b, [place_a, place_b]),
+            yes_or_no(overlapping),
+            "case {case}: {a:?} {b:?} {off:?}"
+        );
         touching += usize::from(touch);
-        meeting += usize::from(meet);
+        meeting += usize::from(overlapping);
     }
     assert!(touching > 30 && meeting > 80, "{touching} {meeting}");
 }
 
 #[test]
-fn n17_n18_shells_within_shells() {
+fn shells_within_shells_have_their_interiors() {
     let cube = |size: f64| solids::cuboid([-size; 3], [size; 3]);
     let shell = cube(3.0).joined(&flipped(cube(2.0)));
     let here = [Affine::IDENTITY; 2];
-    assert_eq!(ask(&shell, &cube(2.0), here), Penetrates::No, "fills the hollow");
-    assert_eq!(ask(&shell, &cube(1.0), here), Penetrates::No, "in the hollow");
-    assert_eq!(ask(&shell, &cube(2.5), here), Penetrates::Yes);
-    assert_eq!(ask(&shell, &cube(4.0), here), Penetrates::Yes);
-    assert_eq!(ask(&shell, &shell, here), Penetrates::Yes, "itself");
-    assert_eq!(ask(&cube(1.0), &flipped(cube(1.0)), here), Penetrates::Yes, "turned inside out");
-    // Both shells outward: wound round twice inside, so solid all through.
+    assert_eq!(penetrates(&shell, &cube(2.0), here), Penetrates::No, "fills the hollow");
+    assert_eq!(penetrates(&shell, &cube(1.0), here), Penetrates::No, "in the hollow");
+    assert_eq!(penetrates(&shell, &cube(2.5), here), Penetrates::Yes);
+    assert_eq!(penetrates(&shell, &cube(4.0), here), Penetrates::Yes);
+    assert_eq!(penetrates(&shell, &shell, here), Penetrates::Yes, "itself");
+    assert_eq!(penetrates(&cube(1.0), &flipped(cube(1.0)), here), Penetrates::Yes, "turned inside out");
+    // Both shells are oriented outward, so the inner one has winding number 2 and is solid.
     let solid = cube(3.0).joined(&cube(2.0));
-    assert_eq!(ask(&solid, &cube(2.0), here), Penetrates::Yes);
+    assert_eq!(penetrates(&solid, &cube(2.0), here), Penetrates::Yes);
     // A membrane of two sheets has no interior.
     let sheet = solids::plane_grid(2, 2);
     let membrane = sheet.clone().joined(&flipped(sheet));
-    assert_eq!(ask(&cube(3.0), &membrane, here), Penetrates::No);
-    assert_eq!(ask(&cube(1.0), &membrane, here), Penetrates::No);
-    assert_eq!(ask(&cube(3.0), &membrane.joined(&cube(1.0)), here), Penetrates::Yes);
+    assert_eq!(penetrates(&cube(3.0), &membrane, here), Penetrates::No);
+    assert_eq!(penetrates(&cube(1.0), &membrane, here), Penetrates::No);
+    assert_eq!(penetrates(&cube(3.0), &membrane.joined(&cube(1.0)), here), Penetrates::Yes);
 }
 
 #[test]
-fn n14_round_bodies_that_touch_in_points() {
+fn round_bodies_that_touch_in_points_do_not_penetrate() {
     let ball = sphere();
     let top = ball.vertices.iter().fold([f64::MIN; 3], |top, &v| if v[2] > top[2] { v } else { top });
     let upon = moved(ball.clone(), [0.0, 0.0, 2.0 * top[2]]);
     let here = [Affine::IDENTITY; 2];
     assert!(query::intersects(&engine(&ball), &engine(&upon)));
-    assert_eq!(ask(&ball, &upon, here), Penetrates::No);
-    assert_eq!(ask(&ball, &moved(ball.clone(), [0.0, 0.0, 2.0 * top[2] - 1e-12]), here), Penetrates::Yes);
-    assert_eq!(ask(&ball, &ball, here), Penetrates::Yes);
-    // A corner of one on the inner side of the other's face.
+    assert_eq!(penetrates(&ball, &upon, here), Penetrates::No);
+    assert_eq!(penetrates(&ball, &moved(ball.clone(), [0.0, 0.0, 2.0 * top[2] - 1e-12]), here), Penetrates::Yes);
+    assert_eq!(penetrates(&ball, &ball, here), Penetrates::Yes);
+    // A corner of one body on the inner side of a face of the other.
     let box_of_it = solids::cuboid([-5.0; 3], [5.0, 5.0, top[2]]);
-    assert_eq!(ask(&box_of_it, &ball, here), Penetrates::Yes);
+    assert_eq!(penetrates(&box_of_it, &ball, here), Penetrates::Yes);
     let lid = solids::cuboid([-5.0, -5.0, top[2]], [5.0; 3]);
-    assert_eq!(ask(&lid, &ball, here), Penetrates::No);
+    assert_eq!(penetrates(&lid, &ball, here), Penetrates::No);
 }
 
 #[test]
-fn n18_overlapping_shells_are_never_answered_wrongly() {
-    // Boxes of one mesh go through each other: what is met where they do may be undecided.
+fn overlapping_shells_are_never_answered_wrongly() {
+    // Boxes of one mesh intersect each other. The answer may be undecided there.
     let mut rng = Rng::new(9);
     let mut counts = [0; 3];
     for case in 0..300 {
@@ -207,7 +215,7 @@ fn n18_overlapping_shells_are_never_answered_wrongly() {
             (0..count).map(|_| corners()).collect()
         };
         let (a, b) = (boxes(3), boxes(2));
-        let meet = a.iter().any(|p| b.iter().any(|q| (0..3).all(|k| p[0][k].max(q[0][k]) < p[1][k].min(q[1][k]))));
+        let overlap = a.iter().any(|p| b.iter().any(|q| (0..3).all(|k| p[0][k].max(q[0][k]) < p[1][k].min(q[1][k]))));
         let joined = |boxes: &[[[i64; 3]; 2]]| {
             let cuboids = boxes.iter().map(|corners| {
                 let [low, high] = corners.map(|corner| corner.map(|x| x as f64));
@@ -215,14 +223,14 @@ fn n18_overlapping_shells_are_never_answered_wrongly() {
             });
             cuboids.reduce(|all, one| all.joined(&one)).expect("some")
         };
-        let answer = ask(&joined(&a), &joined(&b), [Affine::IDENTITY; 2]);
-        assert!(answer == Penetrates::Undecided || answer == surely(meet), "case {case}: {a:?} {b:?}");
+        let answer = penetrates(&joined(&a), &joined(&b), [Affine::IDENTITY; 2]);
+        assert!(answer == Penetrates::Undecided || answer == yes_or_no(overlap), "case {case}: {a:?} {b:?}");
         counts[answer as usize] += 1;
     }
     assert!(counts[0] > 10 && counts[2] > 100, "{counts:?}");
 }
 
 #[test]
-fn n8_nothing_has_no_interior() {
-    assert_eq!(ask(&Mesh::default(), &sphere(), [Affine::IDENTITY; 2]), Penetrates::No);
+fn empty_meshes_have_no_interior() {
+    assert_eq!(penetrates(&Mesh::default(), &sphere(), [Affine::IDENTITY; 2]), Penetrates::No);
 }

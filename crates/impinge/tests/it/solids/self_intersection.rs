@@ -1,4 +1,4 @@
-//! Meshes that meet themselves, against linear programming on each pair of faces.
+//! Self-intersections of meshes, against linear programming on each pair of faces.
 
 use impinge::query;
 use impinge_testkit::generate::{Rng, knots, solids};
@@ -9,38 +9,38 @@ use crate::solids::shapes::{engine, moved, soup, sphere};
 
 type Triangle = [[f64; 3]; 3];
 
-fn meet(a: Triangle, b: Triangle) -> bool {
+fn intersect(a: Triangle, b: Triangle) -> bool {
     triangles_meet(&a, &Affine::IDENTITY, &b, &Affine::IDENTITY)
 }
 
-/// `p + t (q - p)`
+/// Returns `p + t (q - p)`.
 fn between(p: [f64; 3], q: [f64; 3], t: f64) -> [f64; 3] {
     std::array::from_fn(|k| p[k] + t * (q[k] - p[k]))
 }
 
-/// Whether two triangles with small integer coordinates meet in more than the hull of their common corners, from questions
-/// whether other triangles meet.
-fn meet_beyond_shared(a: Triangle, b: Triangle) -> bool {
+/// Reports whether two triangles with small integer coordinates intersect beyond the hull of their
+/// common corners, by tests of other triangles.
+fn intersect_beyond_shared(a: Triangle, b: Triangle) -> bool {
     let mut shared: Vec<[f64; 3]> = a.iter().copied().filter(|corner| b.contains(corner)).collect();
     shared.sort_by(|x, y| x.partial_cmp(y).expect("finite"));
     shared.dedup();
     let others = |own: Triangle| own.into_iter().filter(|corner| !shared.contains(corner)).collect::<Vec<_>>();
     match shared[..] {
-        [] => meet(a, b),
+        [] => intersect(a, b),
         [v] => {
-            // What leaves the corner within both leaves a through one of the edges or points opposite, and b's cone is b made
-            // large.
+            // A ray from the corner within both triangles leaves `a` through an edge or point
+            // opposite. The cone of `b` is `b` scaled up.
             let cone = |own: Triangle| own.map(|corner| between(v, corner, 4096.0));
             let through = |own: Triangle, other: Triangle| match others(own)[..] {
-                [p, q] if !meet([p, q, q], [v; 3]) => meet([p, q, q], cone(other)),
-                ref points => points.iter().any(|&p| meet([p; 3], cone(other))),
+                [p, q] if !intersect([p, q, q], [v; 3]) => intersect([p, q, q], cone(other)),
+                ref points => points.iter().any(|&p| intersect([p; 3], cone(other))),
             };
             through(a, b) || through(b, a)
         }
         [v, w] => others(a).into_iter().any(|r| {
             [v, w, between(v, w, 0.5)].into_iter().any(|from| {
                 let near = between(from, r, 2.0_f64.powi(-16));
-                meet([near; 3], b) && !meet([near; 3], [v, w, w])
+                intersect([near; 3], b) && !intersect([near; 3], [v, w, w])
             })
         }),
         _ => false,
@@ -58,29 +58,29 @@ fn brute_force(mesh: &Mesh) -> Vec<[u32; 2]> {
         .flat_map(|i| (i + 1..count).map(move |j| [i, j]))
         .filter(|&[i, j]| {
             let (a, b) = (triangle(i), triangle(j));
-            !apart(&a, &b) && meet_beyond_shared(a, b)
+            !apart(&a, &b) && intersect_beyond_shared(a, b)
         })
         .collect()
 }
 
 #[test]
-fn n11_n14_n15_soups_on_the_grid_have_the_pairs_of_brute_force() {
+fn soups_on_the_grid_have_the_self_intersections_of_brute_force() {
     let mut rng = Rng::new(21);
-    let (mut reported, mut neighbours) = (0, 0);
+    let (mut reported, mut neighbors) = (0, 0);
     for side in [2, 3, 4, 6, 9] {
         let mesh = solids::grid_soup(&mut rng, 50, side, 2);
         let expected = brute_force(&mesh);
         assert_eq!(query::self_intersecting_pairs(&engine(&mesh)), expected);
         assert_eq!(query::self_intersecting_pairs(&engine(&soup(&mesh))), expected, "each face with its own vertices");
         let touching = query::intersecting_pairs(&engine(&mesh), &engine(&mesh));
-        neighbours += touching.iter().filter(|[i, j]| i < j).count() - expected.len();
+        neighbors += touching.iter().filter(|[i, j]| i < j).count() - expected.len();
         reported += expected.len();
     }
-    assert!(reported > 300 && neighbours > 300, "{reported} reported, {neighbours} not");
+    assert!(reported > 300 && neighbors > 300, "{reported} reported, {neighbors} not");
 }
 
 #[test]
-fn n15_clean_meshes_do_not_meet_themselves() {
+fn clean_meshes_do_not_intersect_themselves() {
     let knot = knots::torus_knot(200, 24, knots::TREFOIL);
     for mesh in [sphere(), knot, solids::cuboid([0.0; 3], [1.0; 3]), solids::plane_grid(20, 20), solids::fan(200)] {
         assert_eq!(query::self_intersecting_pairs(&engine(&mesh)), Vec::<[u32; 2]>::new());
@@ -89,7 +89,7 @@ fn n15_clean_meshes_do_not_meet_themselves() {
 }
 
 #[test]
-fn two_parts_meet_in_the_pairs_of_two_meshes() {
+fn two_parts_intersect_in_the_pairs_of_two_meshes() {
     let (one, other) = (sphere(), moved(sphere(), [0.7, 0.3, 0.1]));
     let offset = one.faces.len() as u32;
     let expected: Vec<[u32; 2]> =
@@ -99,18 +99,18 @@ fn two_parts_meet_in_the_pairs_of_two_meshes() {
 }
 
 #[test]
-fn n10_copies_of_a_face_share_all_that_they_have() {
+fn copies_of_a_face_are_no_self_intersection() {
     let cube = solids::cuboid([0.0; 3], [1.0; 3]);
     assert_eq!(query::self_intersecting_pairs(&engine(&cube.clone().joined(&cube))), Vec::<[u32; 2]>::new());
 }
 
 #[test]
-fn n8_an_empty_mesh_does_not_meet_itself() {
+fn an_empty_mesh_does_not_intersect_itself() {
     assert_eq!(query::self_intersecting_pairs(&engine(&Mesh::default())), Vec::<[u32; 2]>::new());
 }
 
 #[test]
-fn threads_change_nothing() {
+fn threads_change_no_self_intersection() {
     let mesh = engine(&solids::grid_soup(&mut Rng::new(4), 3000, 20, 3));
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");

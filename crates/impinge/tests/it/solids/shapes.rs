@@ -1,11 +1,11 @@
-//! Meshes for these tests, and independent answers about them.
+//! Meshes for the tests of solids, and oracles that share no code with the engine.
 
 use impinge::mesh::PlacedMesh;
 use impinge::{Mesh, Pose, Positions};
 use impinge_testkit::oracle::triangles_meet;
 use impinge_testkit::{Affine, generate::solids};
 
-/// The mesh as the engine takes it.
+/// Returns the engine's mesh for a mesh of the testkit.
 pub(crate) fn engine(mesh: &impinge_testkit::Mesh) -> Mesh {
     Mesh::new(Positions::F64(mesh.vertices.clone()), mesh.faces.clone()).expect("a legal mesh")
 }
@@ -14,13 +14,13 @@ pub(crate) fn pose(map: &Affine) -> Pose {
     Pose::new(map.linear, map.translation).expect("a legal pose")
 }
 
-/// The same surface, every face turned over.
+/// Returns the mesh with every face flipped.
 pub(crate) fn flipped(mut mesh: impinge_testkit::Mesh) -> impinge_testkit::Mesh {
     mesh.faces.iter_mut().for_each(|face| face.swap(1, 2));
     mesh
 }
 
-/// The same faces, each with vertices of its own.
+/// Returns the mesh with separate vertices for each face.
 pub(crate) fn soup(mesh: &impinge_testkit::Mesh) -> impinge_testkit::Mesh {
     let vertices = mesh.faces.iter().flatten().map(|&vertex| mesh.vertices[vertex as usize]).collect();
     let faces = (0..mesh.faces.len() as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
@@ -32,7 +32,7 @@ pub(crate) fn moved(mut mesh: impinge_testkit::Mesh, by: [f64; 3]) -> impinge_te
     mesh
 }
 
-/// The mesh without these faces, which are sorted.
+/// Returns the mesh without the faces of a sorted list.
 pub(crate) fn without_faces(mut mesh: impinge_testkit::Mesh, left_out: &[usize]) -> impinge_testkit::Mesh {
     let mut number = 0;
     mesh.faces.retain(|_| {
@@ -46,8 +46,10 @@ pub(crate) fn sphere() -> impinge_testkit::Mesh {
     solids::icosphere(2)
 }
 
-/// The sum of the solid angles over 4π by the platform's arctangent, faces whose plane holds the point counting nothing:
-/// right to about 1e-12 for points that are not very near an edge.
+/// Returns the sum of the solid angles over 4π, by the platform's arctangent. Faces in one plane
+/// with the point count zero.
+///
+/// The error is about 1e-12 for points that are not close to an edge.
 pub(crate) fn solid_angles(mesh: &impinge_testkit::Mesh, p: [f64; 3]) -> f64 {
     let mut sum = 0.0;
     for face in &mesh.faces {
@@ -67,7 +69,7 @@ pub(crate) fn solid_angles(mesh: &impinge_testkit::Mesh, p: [f64; 3]) -> f64 {
     sum / (4.0 * std::f64::consts::PI)
 }
 
-/// Whether the point is on some face, by the testkit's linear programming.
+/// Reports whether a point is on a face, by the testkit's linear programming.
 pub(crate) fn is_on_surface(mesh: &impinge_testkit::Mesh, p: [f64; 3]) -> bool {
     let identity = Affine::IDENTITY;
     (0..mesh.faces.len()).map(|face| mesh.at(identity).triangle(face)).any(|corners| {
@@ -76,13 +78,13 @@ pub(crate) fn is_on_surface(mesh: &impinge_testkit::Mesh, p: [f64; 3]) -> bool {
     })
 }
 
-/// Which of two meshes are solid.
+/// Choices of which of two meshes are solid.
 pub(crate) const NEITHER: [bool; 2] = [false; 2];
 pub(crate) const A: [bool; 2] = [true, false];
 pub(crate) const B: [bool; 2] = [false, true];
 pub(crate) const BOTH: [bool; 2] = [true; 2];
 
-/// A mesh as its surface or as a solid.
-pub(crate) fn taken<'a>(placed: impl Into<PlacedMesh<'a>>, is_solid: bool) -> PlacedMesh<'a> {
+/// Returns a mesh as its surface or as a solid.
+pub(crate) fn surface_or_solid<'a>(placed: impl Into<PlacedMesh<'a>>, is_solid: bool) -> PlacedMesh<'a> {
     PlacedMesh { is_solid, ..placed.into() }
 }

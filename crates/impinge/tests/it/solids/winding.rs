@@ -1,4 +1,5 @@
-//! Winding numbers and containment of points, against solid angles and exact linear programming.
+//! Winding numbers and containment of points, against solid angles and linear programming in
+//! integers.
 
 use impinge::InputErrorKind;
 use impinge::mesh::Containment::{self, Inside, Outside, Surface};
@@ -7,7 +8,8 @@ use impinge_testkit::generate::{Rng, solids};
 
 use crate::solids::shapes::{engine, flipped, is_on_surface, moved, solid_angles, soup, sphere, without_faces};
 
-/// Points on the grid about a mesh on the grid: many are on faces, edges and corners, or in line with them.
+/// Returns points on the half-integer grid around a mesh on the grid. Many lie on faces, edges and
+/// corners, or in line with them.
 pub(crate) fn grid_points(low: i64, high: i64) -> Vec<[f64; 3]> {
     let half = |i: i64| i as f64 / 2.0;
     let range = 2 * low..=2 * high;
@@ -17,7 +19,7 @@ pub(crate) fn grid_points(low: i64, high: i64) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// A box with a box cut out of it, shells within shells, one beside them; all on the grid.
+/// Returns boxes on the grid: a hollow box, a box in its hollow, and one beside them.
 pub(crate) fn boxes() -> Mesh {
     solids::cuboid([0.0; 3], [6.0; 3])
         .joined(&flipped(solids::cuboid([1.0; 3], [5.0; 3])))
@@ -35,7 +37,7 @@ pub(crate) fn expected(mesh: &Mesh, point: [f64; 3]) -> Containment {
 }
 
 #[test]
-fn n14_grid_points_of_closed_meshes_are_decided_exactly() {
+fn grid_points_of_closed_meshes_are_decided_exactly() {
     let tetrahedron = solids::tetrahedron().scaled(4.0);
     let meshes = [boxes(), flipped(boxes()), tetrahedron.clone(), moved(tetrahedron, [0.5, 0.0, -0.5])];
     for (number, mesh) in meshes.iter().enumerate() {
@@ -63,7 +65,7 @@ fn n14_grid_points_of_closed_meshes_are_decided_exactly() {
 }
 
 #[test]
-fn n18_open_meshes_have_intervals_that_hold_the_solid_angles() {
+fn intervals_of_open_meshes_contain_the_solid_angles() {
     let mut rng = Rng::new(5);
     let open_box = without_faces(solids::cuboid([0.0; 3], [2.0; 3]), &[2, 3]);
     let messy = solids::grid_soup(&mut rng, 60, 4, 3);
@@ -80,7 +82,7 @@ fn n18_open_meshes_have_intervals_that_hold_the_solid_angles() {
                 let truth = solid_angles(&mesh, point);
                 assert!(winding.lower <= winding.value && winding.value <= winding.upper);
                 let on_surface = is_on_surface(&mesh, point);
-                // Solid angles about points on edges are not told apart by the platform's arctangent.
+                // The platform's arctangent is inaccurate for points on edges.
                 if !on_surface {
                     assert!((winding.value - truth).abs() < 1e-9, "{name} at {point:?}: {winding:?}, not {truth}");
                     assert!(winding.lower <= truth + 1e-12 && truth - 1e-12 <= winding.upper, "{name} at {point:?}");
@@ -93,18 +95,18 @@ fn n18_open_meshes_have_intervals_that_hold_the_solid_angles() {
 }
 
 #[test]
-fn n18_long_borders_are_seen_from_afar_within_their_bounds() {
+fn winding_numbers_of_long_borders_are_within_their_bounds() {
     let mut rng = Rng::new(6);
     let soup_of = |rng: &mut Rng, count: usize, size: f64| {
         let mut mesh = Mesh::default();
         for face in 0..count as u32 {
-            let centre: [f64; 3] = std::array::from_fn(|_| rng.uniform(-1.0, 1.0));
-            mesh.vertices.extend((0..3).map(|_| centre.map(|x| x + rng.uniform(-size, size))));
+            let center: [f64; 3] = std::array::from_fn(|_| rng.uniform(-1.0, 1.0));
+            mesh.vertices.extend((0..3).map(|_| center.map(|x| x + rng.uniform(-size, size))));
             mesh.faces.push([3 * face, 3 * face + 1, 3 * face + 2]);
         }
         mesh
     };
-    // A sphere without every third face; loose triangles, small and large.
+    // A sphere without every third face; and separate triangles, small and large.
     let half = without_faces(soup(&solids::icosphere(5)), &(0..20480).step_by(3).collect::<Vec<_>>());
     let small = soup_of(&mut rng, 4000, 0.02);
     let large = soup_of(&mut rng, 3000, 0.7);
@@ -140,8 +142,8 @@ fn n18_long_borders_are_seen_from_afar_within_their_bounds() {
 }
 
 #[test]
-fn n18_half_open_space_is_said_to_be_undecided_only_where_it_is() {
-    // A box without its lid: seen from the lid, the rest covers half of all directions.
+fn containment_is_undecided_only_at_winding_number_one_half() {
+    // A box without its lid covers half of all directions as seen from the plane of the lid.
     let open = engine(&without_faces(solids::cuboid([0.0; 3], [2.0; 3]), &[2, 3]));
     let at = |z: f64| open.contains(&[[0.75, 1.25, z]]).expect("finite")[0];
     assert_eq!(at(1.0), Inside);
@@ -152,7 +154,7 @@ fn n18_half_open_space_is_said_to_be_undecided_only_where_it_is() {
 }
 
 #[test]
-fn n2_n3_scales_by_powers_of_two_change_nothing() {
+fn scaling_by_powers_of_two_keeps_containment() {
     let mesh = boxes();
     let points = grid_points(-1, 7);
     let expected = engine(&mesh).contains(&points).expect("finite points");
@@ -165,8 +167,9 @@ fn n2_n3_scales_by_powers_of_two_change_nothing() {
 }
 
 #[test]
-fn n10_n11_duplicates_and_faces_without_area_keep_what_is_inside() {
-    // Twice the same box winds twice; a sliver closes a mesh whose edge is split on one side only.
+fn duplicates_and_faces_without_area_keep_containment() {
+    // The same box twice has winding number 2. A sliver closes a mesh with an edge split on one
+    // side only.
     let cube = solids::cuboid([0.0; 3], [2.0; 3]);
     let twice = engine(&cube.clone().joined(&cube));
     assert_eq!(twice.winding_number(&[[1.0, 0.5, 0.25]]).expect("finite")[0].value, 2.0);
@@ -187,7 +190,7 @@ fn n10_n11_duplicates_and_faces_without_area_keep_what_is_inside() {
 }
 
 #[test]
-fn n1_points_that_are_not_finite_are_named() {
+fn invalid_points_are_rejected_by_index() {
     let mesh = engine(&sphere());
     let error = mesh.contains(&[[0.0; 3], [0.0, f64::NAN, 0.0]]).expect_err("not finite");
     assert_eq!(error.kind(), &InputErrorKind::NonFinite { what: "point", index: 1 });
@@ -196,7 +199,7 @@ fn n1_points_that_are_not_finite_are_named() {
 }
 
 #[test]
-fn n8_an_empty_mesh_holds_nothing() {
+fn an_empty_mesh_contains_no_point() {
     let empty = engine(&Mesh::default());
     assert!(empty.is_closed());
     assert_eq!(empty.contains(&[[0.0; 3]]).expect("finite"), [Outside]);

@@ -1,5 +1,8 @@
-//! Four moving corners against exact times: on grids, in planes, on lines, without motion, touching at the start or at
-//! the end, and missing each other by a unit in the last place.
+//! First contact of four moving corners against exact times.
+//!
+//! Cases: on grids, in planes, on lines, without motion, touching at the start or at the end, and
+//! missing each other by a unit in the last place. Guards `sweep::vertex_face` and
+//! `sweep::edge_edge`.
 
 use std::cmp::Ordering;
 
@@ -21,7 +24,7 @@ fn answer(kind: QueryKind, t0: &Corners, t1: &Corners) -> Impact {
     }
 }
 
-/// What a run of queries came to.
+/// Counts of outcomes of a run of queries.
 #[derive(Debug, Default)]
 struct Counts {
     touching: usize,
@@ -33,12 +36,12 @@ struct Counts {
 }
 
 impl Counts {
-    /// Asserts that the answer holds the exact time.
+    /// Checks that the interval of the answer contains the exact time.
     fn check(&mut self, kind: QueryKind, t0: &Corners, t1: &Corners) {
         let impact = answer(kind, t0, t1);
         self.undecided += usize::from(!impact.is_decided());
         let Some(root) = first_contact(kind, t0, t1) else {
-            assert_eq!(impact.t_upper, f64::INFINITY, "contact that is none: {kind:?} {t0:?} {t1:?}");
+            assert_eq!(impact.t_upper, f64::INFINITY, "false contact: {kind:?} {t0:?} {t1:?}");
             self.alarms += usize::from(impact.hit());
             return;
         };
@@ -51,7 +54,7 @@ impl Counts {
             assert_ne!(root.compare(impact.t_upper), Ordering::Greater, "early: {impact:?} {kind:?} {t0:?} {t1:?}");
             self.widest = self.widest.max(impact.t_upper - impact.t_lower);
         } else {
-            // As near as floats go.
+            // As near as floats allow.
             assert_ne!(root.compare(impact.t_lower + 1e-9), Ordering::Greater, "{impact:?} {kind:?} {t0:?} {t1:?}");
         }
     }
@@ -62,13 +65,13 @@ fn corners(rng: &mut Rng, reach: i64) -> Corners {
 }
 
 #[test]
-fn n26_corners_on_small_grids_have_their_exact_times() {
+fn corners_on_small_grids_have_their_exact_times() {
     let mut rng = Rng::new(1);
     let mut counts = Counts::default();
     for case in 0..2400 {
         let reach = [1, 2, 4, 30][case % 4];
         let (mut t0, mut t1) = (corners(&mut rng, reach), corners(&mut rng, reach));
-        // Sizes that no other coordinate shares, and places far from the origin.
+        // Very different scales, and places far from the origin.
         let scale = [1.0, 2.0_f64.powi(-40), 2.0_f64.powi(60)][case / 4 % 3];
         let offset = [0.0, 2.0_f64.powi(20)][case / 12 % 2];
         for corners in [&mut t0, &mut t1] {
@@ -81,19 +84,19 @@ fn n26_corners_on_small_grids_have_their_exact_times() {
 }
 
 #[test]
-fn n11_n26_flat_queries_have_their_exact_times() {
+fn flat_queries_have_their_exact_times() {
     let mut rng = Rng::new(2);
     let mut counts = Counts::default();
     let rounds = rounds(120);
     for case in 0..rounds {
         let (mut t0, mut t1) = (corners(&mut rng, 3), corners(&mut rng, 3));
         match case % 4 {
-            // All in one plane at all times, or on one line.
+            // All corners stay in one plane, or on one line.
             0 => (t0, t1) = (t0.map(|[x, y, _]| [x, y, x]), t1.map(|[x, y, _]| [x, y, x])),
             1 => (t0, t1) = (t0.map(|[x, ..]| [x, x, -x]), t1.map(|[x, ..]| [x, x, -x])),
             // No motion.
             2 => t1 = t0,
-            // Faces and edges without area or length.
+            // Faces without area, and edges without length.
             _ => ([t0[2], t0[3]], [t1[2], t1[3]]) = ([t0[3]; 2], [t1[3]; 2]),
         }
         counts.check(KINDS[case / 4 % 2], &t0, &t1);
@@ -103,10 +106,10 @@ fn n11_n26_flat_queries_have_their_exact_times() {
     assert!(counts.alarms == 0 && counts.undecided * 3 < rounds, "{counts:?}");
 }
 
-/// A vertex moved onto a corner, an edge or the inside of a face, or an edge onto another, at the start, at the end or
-/// on the way; then moved by one unit in the last place.
+/// Checks a vertex on a corner, an edge or the inside of a face, or an edge on another one, at the
+/// start, at the end or between. Then it moves by one unit in the last place.
 #[test]
-fn n14_touching_and_missing_by_one_unit_are_told_apart() {
+fn touching_and_missing_by_one_unit_are_distinguished() {
     let mut rng = Rng::new(3);
     let mut counts = Counts::default();
     let rounds = rounds(1_000);
@@ -119,7 +122,7 @@ fn n14_touching_and_missing_by_one_unit_are_told_apart() {
         match case / 2 % 4 {
             0 => t0[0] = t0[other],
             1 => t1[0] = t1[other + 1],
-            // Through a corner of the other at the middle, exactly where nothing rounds.
+            // Through a corner of the other at the middle, exactly unless rounded.
             2 => t1[0] = std::array::from_fn(|k| t0[other][k] + t1[other][k] - t0[0][k]),
             // Onto a line between two corners at the end.
             _ => t1[0] = std::array::from_fn(|k| 0.5 * (t1[other][k] + t1[3][k])),
@@ -138,15 +141,16 @@ fn n14_touching_and_missing_by_one_unit_are_told_apart() {
 }
 
 #[test]
-fn n26_double_roots_are_contacts() {
-    // The vertex swings by an edge that turns: in the edge's frame it comes to the line and leaves it again.
+fn double_roots_are_contacts() {
+    // The vertex passes an edge that turns: in the frame of the edge it reaches the line and leaves
+    // it again.
     let t0 = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
     let t1 = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, -4.0, 8.0]];
     let impact = answer(QueryKind::VertexFace, &t0, &t1);
     let root = first_contact(QueryKind::VertexFace, &t0, &t1);
     assert_eq!(impact.hit(), root.is_some());
-    // The face lies down to a needle and stands up again on the other side, with the vertex on its line at that time
-    // alone.
+    // The face flattens to a needle and opens again on the other side. The vertex is on its line
+    // only at that time.
     let t0 = [[0.5, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [1.0, 0.0, 1.0]];
     let t1 = [[0.5, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, -1.0]];
     let impact = answer(QueryKind::VertexFace, &t0, &t1);
@@ -154,12 +158,12 @@ fn n26_double_roots_are_contacts() {
 }
 
 #[test]
-fn n27_tiny_and_vast_motions_end() {
+fn tiny_and_vast_motions_have_their_times() {
     for size in [1e-300, 1e-40, 1e-12, 1.0, 1e6, 1e37] {
         for gap in [1e-300, 1e-12, 1.0, 3.0] {
             let t0 = [[0.25, 0.25, gap], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|p| p.map(|x| x * size));
             if t0[0][2] == 0.0 {
-                continue; // a gap that is no float
+                continue; // the gap underflows to zero
             }
             let mut t1 = t0;
             t1[0][2] = -t0[0][2];
@@ -193,7 +197,7 @@ fn swapped_and_reversed_queries_agree() {
 }
 
 #[test]
-fn n1_n2_corners_are_judged() {
+fn invalid_corners_are_rejected_by_index() {
     let good = [[0.0; 3]; 4];
     let mut bad = good;
     bad[2][1] = f64::NAN;

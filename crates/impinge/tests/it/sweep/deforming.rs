@@ -1,4 +1,4 @@
-//! Surfaces whose vertices move, against every pair of their features.
+//! Deforming surfaces against every pair of their features.
 
 use impinge::InputErrorKind;
 use impinge::sweep::{Deforming, Features, edge_edge, vertex_face};
@@ -8,7 +8,7 @@ use impinge_testkit::oracle::first_contact;
 
 type Points = Vec<[f64; 3]>;
 
-/// A surface and where its vertices go.
+/// Surface with its vertices at the start and at the end.
 struct Surface {
     faces: Vec<[u32; 3]>,
     t0: Points,
@@ -16,7 +16,8 @@ struct Surface {
 }
 
 impl Surface {
-    /// Faces over a few vertices, so that many are shared, some named twice and some equal.
+    /// Returns faces over a few vertices, so that many vertices are shared, some faces repeat a
+    /// vertex, and some are equal.
     fn random(rng: &mut Rng, faces: usize, vertices: u32, reach: i64) -> Self {
         let mut points = || -> Points {
             (0..vertices).map(|_| std::array::from_fn(|_| rng.integer(-reach, reach) as f64)).collect()
@@ -120,7 +121,7 @@ fn every_true_pair_of_one_surface_is_found() {
     assert!(found > 15, "{found}");
 }
 
-/// Larger surfaces, against the same queries asked about all pairs.
+/// Checks larger surfaces against single queries on all pairs.
 #[test]
 fn large_surfaces_have_the_contacts_of_all_their_pairs() {
     let mut rng = Rng::new(9);
@@ -168,7 +169,7 @@ fn large_surfaces_have_the_contacts_of_all_their_pairs() {
 }
 
 #[test]
-fn n1_n8_n9_surfaces_are_judged() {
+fn invalid_surfaces_are_rejected() {
     let points = [[0.0; 3]; 3];
     let mut bad = points;
     bad[1][2] = f64::INFINITY;

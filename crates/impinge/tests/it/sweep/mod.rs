@@ -1,4 +1,4 @@
-//! Times of first contact, against exact ones.
+//! Times of first contact, against exact times.
 
 mod corners;
 mod deforming;

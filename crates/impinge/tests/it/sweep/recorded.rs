@@ -1,4 +1,5 @@
-//! The recorded queries, with their authors' answers and with exact times. Skipped without the folder of data.
+//! Recorded queries against their authors' answers and exact times. Skipped if the data folder is
+//! missing.
 
 use std::cmp::Ordering;
 
@@ -14,7 +15,8 @@ fn answer(query: &Query) -> Impact {
     }
 }
 
-/// No collision is missed and none is invented, where Tight-Inclusion invents one in 7 % of the misses.
+/// Checks that no collision is missed and none is invented. Tight-Inclusion invents one in 7 % of
+/// the misses.
 #[test]
 fn recorded_queries_are_decided_as_their_authors_did() {
     let Some(data) = data_folder() else { return };
@@ -38,7 +40,7 @@ fn recorded_queries_are_decided_as_their_authors_did() {
     assert_eq!(alarms, 0);
 }
 
-/// One in six, as the exact times take some twenty milliseconds each.
+/// Checks one query in six, because an exact time takes about 20 ms.
 #[test]
 fn recorded_queries_have_their_exact_times() {
     let Some(data) = data_folder() else { return };

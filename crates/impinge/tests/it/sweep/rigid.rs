@@ -1,4 +1,4 @@
-//! Meshes that move rigidly, against closed forms, and against poses in between.
+//! First contact of meshes under rigid motions, against closed forms and against poses in between.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -22,7 +22,7 @@ fn moving(from: [f64; 3], to: [f64; 3]) -> Motion {
     Motion::between(at(from), at(to)).expect("rigid")
 }
 
-/// A face without area: the segment between two points.
+/// Returns a mesh of one face without area: the segment between two points.
 fn segment(from: [f64; 3], to: [f64; 3]) -> Mesh {
     Mesh::new(Positions::F64(vec![from, to]), vec![[0, 1, 1]]).expect("a legal mesh")
 }
@@ -33,26 +33,28 @@ fn assert_time(impact: Impact, truth: f64, width: f64) {
     assert!(impact.t_lower >= truth - width, "{impact:?} {truth}");
 }
 
-/// Cubes of side 2 from z = 4 and -4 to the other's place: FCL's conservative advancement misses them as meshes.
+/// Checks two cubes of side 2 that swap places between z = 4 and z = -4. FCL's conservative
+/// advancement misses them as meshes.
 #[test]
 fn cubes_that_pass_through_each_other_are_found() {
     let (a, b) = (moving([0.0, 0.0, 4.0], [0.0, 0.0, -4.0]), moving([0.0, 0.0, -4.0], [0.0, 0.0, 4.0]));
     assert_time(time_of_impact(&cube(1.0), &cube(1.0), &a, &b).unwrap(), 0.375, 1e-9);
-    // A bullet through a thin plate, a hundred times its thickness a frame.
+    // A bullet through a thin plate. It travels 50,000 times the thickness of the plate in one
+    // motion.
     let plate = mesh(&solids::cuboid([-1.0, -1.0, -0.01], [1.0, 1.0, 0.01]));
     let shot = moving([0.1, 0.2, 500.0], [0.1, 0.2, -500.0]);
     assert_time(time_of_impact(&plate, &cube(0.01), &Motion::default(), &shot).unwrap(), 0.499_98, 1e-9);
 }
 
 #[test]
-fn n26_what_touches_at_the_start_or_the_end_is_found() {
+fn contact_at_the_start_or_at_the_end_is_found() {
     let rest = Motion::default();
     let now = Impact { t_lower: 0.0, t_upper: 0.0 };
     assert_eq!(time_of_impact(&cube(1.0), &cube(1.0), &rest, &moving([2.0, 0.0, 0.0], [9.0, 0.0, 0.0])).unwrap(), now);
     assert_eq!(time_of_impact(&cube(1.0), &cube(1.0), &rest, &Motion::resting(at([1.5, 0.0, 0.0]))).unwrap(), now);
     let end = time_of_impact(&cube(1.0), &cube(1.0), &rest, &moving([5.0, 0.3, 0.0], [2.0, 0.3, 0.0])).unwrap();
     assert_time(end, 1.0, 1e-9);
-    // None: away, short of it, in step, beside it, at rest.
+    // No contact: moving away, stopping short, moving in step, passing beside, at rest.
     let never =
         |a: &Motion, b: &Motion| assert_eq!(time_of_impact(&cube(1.0), &cube(1.0), a, b).unwrap(), Impact::NEVER);
     never(&rest, &moving([2.5, 0.0, 0.0], [5.0, 0.0, 0.0]));
@@ -64,15 +66,15 @@ fn n26_what_touches_at_the_start_or_the_end_is_found() {
     assert_eq!(time_of_impact(&empty, &cube(1.0), &rest, &rest).unwrap(), Impact::NEVER);
 }
 
-/// A rod that turns about one of its ends against a rod across its plane.
+/// Checks a rod that turns about one of its ends against a rod across its plane.
 #[test]
-fn n26_turning_rods_meet_at_the_angle_between_them() {
+fn turning_rods_hit_at_the_angle_between_them() {
     let rod = segment([0.0; 3], [2.0, 0.0, 0.0]);
     for (angle, full) in [(0.3, FRAC_PI_2), (1.4, FRAC_PI_2), (2.9, PI), (4.5, 5.5), (6.0, 20.0)] {
         let post = segment([cos(angle), sin(angle), -1.0], [cos(angle), sin(angle), 1.0]);
         let spin = Motion::screw(Pose::IDENTITY, [0.0; 3], [0.0, 0.0, full], None).expect("rigid");
         let impact = time_of_impact(&rod, &post, &spin, &Motion::default()).unwrap();
-        // Lines that cross at one time alone: no pose at which they intersect need exist in floats.
+        // The lines cross only at one time, so possibly no pose in floats makes them intersect.
         assert!(impact.t_lower <= angle / full && impact.t_lower > angle / full - 1e-6, "{angle} {full} {impact:?}");
         let short = Motion::screw(Pose::IDENTITY, [0.0; 3], [0.0, 0.0, angle - 1e-3], None).expect("rigid");
         assert_eq!(time_of_impact(&rod, &post, &short, &Motion::default()).unwrap(), Impact::NEVER);
@@ -80,9 +82,9 @@ fn n26_turning_rods_meet_at_the_angle_between_them() {
 }
 
 #[test]
-fn n26_a_spin_in_place_is_found() {
-    // A square plate of half-side 1 turns about its own centre beside a wall: its corner reaches 1.2 at the angle
-    // whose cosine to the diagonal is 1.2 / √2.
+fn contact_of_a_spin_in_place_is_found() {
+    // A square plate of half-side 1 turns about its center beside a wall. Its corner reaches x =
+    // 1.2 if the angle between its diagonal and the x axis has the cosine 1.2 / √2.
     let plate = mesh(&solids::cuboid([-1.0, -1.0, -0.1], [1.0, 1.0, 0.1]));
     let wall = mesh(&solids::cuboid([1.2, -3.0, -1.0], [2.0, 3.0, 1.0]));
     let spin = Motion::screw(Pose::IDENTITY, [0.0; 3], [0.0, 0.0, 1.5], None).expect("rigid");
@@ -110,7 +112,7 @@ fn motions_end_at_their_poses() {
             let off = [0, 1, 2].map(|k| (reached.apply(point)[k] - end.apply(point)[k]).abs());
             assert!(off.iter().all(|x| *x < 1e-13), "{off:?}");
         }
-        // Halfway there from either end, the pose is the same.
+        // The middle pose is the same from either end.
         let (half, back) = (motion.at(0.5), Motion::between(end, start).expect("rigid").at(0.5));
         let off = [0, 1, 2].map(|k| (half.apply([1.0; 3])[k] - back.apply([1.0; 3])[k]).abs());
         let trace = (0..3).map(|k| (0..3).map(|j| start.linear()[k][j] * end.linear()[k][j]).sum::<f64>()).sum::<f64>();
@@ -123,7 +125,7 @@ fn motions_end_at_their_poses() {
 }
 
 #[test]
-fn n20_motions_are_judged() {
+fn motions_that_are_not_rigid_or_not_finite_are_rejected() {
     let stretched = Pose::new([[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [0.0; 3]).expect("a pose");
     let mirrored = Pose::new([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [0.0; 3]).expect("a pose");
     let kind = |result: Result<Motion, impinge::InputError>| result.expect_err("not rigid").kind().clone();
@@ -138,8 +140,8 @@ fn n20_motions_are_judged() {
     assert!(Motion::screw(stretched, [1.0; 3], [0.0; 3], None).is_ok());
 }
 
-/// Random motions of two bodies: at no sampled time before `t_lower` do they intersect, at `t_upper` they do, and
-/// where contact is disproved at none.
+/// Checks random motions of two bodies: they intersect at no sampled time before `t_lower`, at
+/// `t_upper` they do, and at no time if contact is disproved.
 #[test]
 fn random_motions_are_clear_until_they_hit() {
     let mut rng = Rng::new(6);
@@ -154,11 +156,11 @@ fn random_motions_are_clear_until_they_hit() {
         let motion_a = Motion::screw(start, velocity, spin, Some(pivot)).expect("rigid");
         let motion_b = Motion::screw(Pose::IDENTITY, vector(1.0), vector(3.0), None).expect("rigid");
         let impact = time_of_impact(&a, &b, &motion_a, &motion_b).unwrap();
-        let meet = |t: f64| query::intersects(a.at(motion_a.at(t)), b.at(motion_b.at(t)));
+        let intersect = |t: f64| query::intersects(a.at(motion_a.at(t)), b.at(motion_b.at(t)));
         let clear_until = if impact.hit() { impact.t_lower } else { 1.0 };
-        assert!((0..200).all(|k| !meet(f64::from(k) / 200.0 * clear_until)) || clear_until == 0.0, "{impact:?}");
+        assert!((0..200).all(|k| !intersect(f64::from(k) / 200.0 * clear_until)) || clear_until == 0.0, "{impact:?}");
         if impact.is_decided() && impact.hit() {
-            assert!(meet(impact.t_upper) && impact.t_upper - impact.t_lower < 1e-2, "{impact:?}");
+            assert!(intersect(impact.t_upper) && impact.t_upper - impact.t_lower < 1e-2, "{impact:?}");
         }
         hits += usize::from(impact.hit());
         undecided += usize::from(!impact.is_decided());

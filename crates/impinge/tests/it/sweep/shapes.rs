@@ -1,4 +1,4 @@
-//! Shapes that move, against closed forms and against meshes of the same form.
+//! First contact of moving shapes, against closed forms and against meshes of the same form.
 
 use impinge::shape::Shape;
 use impinge::sweep::{Impact, Motion, time_of_impact};
@@ -11,7 +11,7 @@ fn moving(from: [f64; 3], to: [f64; 3]) -> Motion {
 }
 
 #[test]
-fn falling_shapes_land_when_they_should() {
+fn falling_shapes_land_at_their_exact_times() {
     let floor = Shape::half_space([0.0, 0.0, 1.0], 0.0).unwrap();
     let fall = moving([0.0, 0.0, 4.0], [0.0, 0.0, -4.0]);
     for (shape, lowest) in [
@@ -28,14 +28,15 @@ fn falling_shapes_land_when_they_should() {
         let away = moving([0.0, 0.0, 4.0], [9.0, 0.0, 4.0]);
         assert_eq!(time_of_impact(&shape, &floor, &away, &Motion::default()).unwrap(), Impact::NEVER);
     }
-    // A floor that turns is left open.
+    // A floor that turns is undecided.
     let turning = Motion::screw(Pose::IDENTITY, [0.0; 3], [0.0, 0.1, 0.0], None).unwrap();
     let ball = Shape::sphere([0.0; 3], 1.0).unwrap();
-    let open = time_of_impact(&ball, &floor, &fall, &turning).unwrap();
-    assert_eq!((open.t_lower, open.is_decided()), (0.0, false));
+    let undecided = time_of_impact(&ball, &floor, &fall, &turning).unwrap();
+    assert_eq!((undecided.t_lower, undecided.is_decided()), (0.0, false));
 }
 
-/// Boxes as shapes, as meshes and as solids touch at the same time; a solid holds what starts inside it.
+/// Checks that boxes as shapes, as meshes and as solids touch at the same time, and that a solid
+/// intersects a shape that starts inside it.
 #[test]
 fn boxes_touch_when_their_meshes_do() {
     let plain = solids::cuboid([-0.5, -0.75, -1.0], [0.5, 0.75, 1.0]);

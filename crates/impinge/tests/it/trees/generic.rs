@@ -1,4 +1,4 @@
-//! Candidates of generic trees, decided exactly, against brute force, on meshes full of ties.
+//! Candidate pairs of generic trees, decided exactly, against brute force, on meshes full of ties.
 
 use impinge::exact::{Placement, triangles_intersect};
 use impinge::hierarchy::{Builder, Counters, Enclosure, GenericTree, NodeVolume};
@@ -9,7 +9,8 @@ use impinge_testkit::generate::poses::rotation;
 use impinge_testkit::generate::solids::{grid_soup, icosphere};
 use impinge_testkit::{Affine, Mesh, oracle};
 
-/// Two small meshes and where the second stands in the frame of the first.
+/// Two small meshes, the map from the frame of the second to that of the first, and their
+/// intersecting pairs.
 struct Scene {
     a: Mesh,
     b: Mesh,
@@ -17,7 +18,8 @@ struct Scene {
     expected: Vec<(u32, u32)>,
 }
 
-/// Integer corners, shared vertices, zero areas and duplicates, moved by integers or turned; most of them meet.
+/// Returns scenes of meshes with integer corners, shared vertices, zero areas and duplicates, moved
+/// by integers or turned. Most intersect.
 fn scenes() -> Vec<Scene> {
     let mut rng = Rng::new(2026);
     let mut scenes: Vec<Scene> = (0..6)
@@ -68,7 +70,8 @@ fn tree<V: NodeVolume, const DEGREE: usize>(
     GenericTree::new(&binary, |face, points| points.extend(corners(mesh, face)), enclosure).expect("finite points")
 }
 
-/// The pairs that meet among those that the trees show, sorted; no pair may be shown twice.
+/// Returns the intersecting pairs among the candidates of the trees, sorted, and the work. Panics
+/// if a candidate occurs twice.
 fn pairs<V: NodeVolume, const DEGREE: usize>(
     scene: &Scene,
     builder: Builder,
@@ -80,13 +83,13 @@ fn pairs<V: NodeVolume, const DEGREE: usize>(
     let work = a.pairs(&b, &pose(&scene.a_from_b), |a, b| shown.push((a, b)));
     assert_eq!(work.primitive_tests, shown.len() as u64);
     shown.sort_unstable();
-    assert!(shown.is_sorted_by(|x, y| x < y), "a pair is shown twice");
+    assert!(shown.is_sorted_by(|x, y| x < y), "a pair is reported twice");
     let placement = Placement::new(&Pose::IDENTITY, &pose(&scene.a_from_b));
     shown.retain(|&(i, j)| triangles_intersect(&placement, &corners(&scene.a, i), &corners(&scene.b, j)));
     (shown, work)
 }
 
-/// Each of some builders, enclosures and capacities of a leaf with one degree and one volume.
+/// Checks one volume and degree with each builder, enclosure and leaf capacity.
 fn every_tree_finds_the_pairs<V: NodeVolume, const DEGREE: usize>(
     kind: &str,
     builders: &[Builder],
@@ -111,23 +114,24 @@ fn every_tree_finds_the_pairs<V: NodeVolume, const DEGREE: usize>(
         }
         met += usize::from(!scene.expected.is_empty());
     }
-    assert!((5..=8).contains(&met), "{met} of 9 scenes meet");
-    assert!(2 * tests < all, "{kind} of degree {DEGREE}: {tests} of {all} pairs are tested, so that it prunes nothing");
+    assert!((5..=8).contains(&met), "{met} of 9 scenes intersect");
+    assert!(2 * tests < all, "{kind} of degree {DEGREE}: {tests} of {all} pairs are tested, so too few are pruned");
 }
 
 #[test]
-fn boxes_of_every_degree() {
+fn trees_of_boxes_find_the_pairs_at_every_degree() {
     every_tree_finds_the_pairs::<Aabb, 2>("boxes", &Builder::ALL, &[1, 4]);
     every_tree_finds_the_pairs::<Aabb, 4>("boxes", &Builder::ALL, &[1, 4]);
     every_tree_finds_the_pairs::<Aabb, 8>("boxes", &Builder::ALL, &[1, 4]);
     every_tree_finds_the_pairs::<Aabb, 16>("boxes", &Builder::ALL, &[1, 4]);
 }
 
-/// One of each strategy, for volumes that take longer to fit than boxes: a builder knows boxes alone, and no volume.
+/// One builder of each strategy, for volumes that take longer to fit than boxes. Builders use only
+/// boxes, not volumes.
 const THREE_BUILDERS: [Builder; 3] = [Builder::Morton, Builder::SweepSah, Builder::Insertion];
 
 #[test]
-fn round_volumes() {
+fn trees_of_round_volumes_find_the_pairs() {
     every_tree_finds_the_pairs::<BoundingSphere, 2>("spheres", &THREE_BUILDERS, &[1]);
     every_tree_finds_the_pairs::<BoundingSphere, 8>("spheres", &THREE_BUILDERS, &[1]);
     every_tree_finds_the_pairs::<Capsule, 2>("capsules", &THREE_BUILDERS, &[1]);
@@ -135,7 +139,7 @@ fn round_volumes() {
 }
 
 #[test]
-fn polytopes() {
+fn trees_of_polytopes_find_the_pairs() {
     every_tree_finds_the_pairs::<Obb, 2>("oriented boxes", &THREE_BUILDERS, &[1]);
     every_tree_finds_the_pairs::<Obb, 4>("oriented boxes", &THREE_BUILDERS, &[1]);
     every_tree_finds_the_pairs::<Kdop14, 2>("14-DOPs", &THREE_BUILDERS, &[1]);
@@ -145,21 +149,21 @@ fn polytopes() {
 }
 
 #[test]
-fn a_mesh_with_itself_shows_each_pair_once() {
+fn self_pairs_report_each_pair_once() {
     fn check<V: NodeVolume, const DEGREE: usize>(mesh: &Mesh, capacity: usize) -> usize {
         let placement = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
-        let meets = |i, j| triangles_intersect(&placement, &corners(mesh, i), &corners(mesh, j));
+        let intersect = |i, j| triangles_intersect(&placement, &corners(mesh, i), &corners(mesh, j));
         let count = mesh.faces.len() as u32;
         let expected: Vec<(u32, u32)> =
-            (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j))).filter(|&(i, j)| meets(i, j)).collect();
+            (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j))).filter(|&(i, j)| intersect(i, j)).collect();
         for builder in Builder::ALL {
             let tree = tree::<V, DEGREE>(mesh, builder, capacity, Enclosure::Wrapped);
             let mut found = Vec::new();
             let work = tree.self_pairs(|i, j| found.push((i.min(j), i.max(j))));
             assert_eq!(work.primitive_tests, found.len() as u64);
             found.sort_unstable();
-            assert!(found.is_sorted_by(|x, y| x < y) && found.iter().all(|(i, j)| i != j), "a pair is shown twice");
-            found.retain(|&(i, j)| meets(i, j));
+            assert!(found.is_sorted_by(|x, y| x < y) && found.iter().all(|(i, j)| i != j), "a pair is reported twice");
+            found.retain(|&(i, j)| intersect(i, j));
             assert_eq!(found, expected, "{} of degree {DEGREE}", builder.name());
         }
         expected.len()
@@ -176,7 +180,7 @@ fn a_mesh_with_itself_shows_each_pair_once() {
 }
 
 #[test]
-fn carried_boxes_hold_the_exact_images() {
+fn moved_boxes_contain_the_exact_images() {
     let mut rng = Rng::new(11);
     for round in 0..2_000 {
         let scale: f64 = [1.0, 1e6, 1e-20][round % 3];
@@ -184,15 +188,15 @@ fn carried_boxes_hold_the_exact_images() {
         let linear = [[0; 3]; 3].map(|row| row.map(|_: i32| rng.uniform(-2.0, 2.0)));
         let translation = [0; 3].map(|_| scale * rng.uniform(-1.0, 1.0));
         let pose = Pose::new(linear, translation).expect("hardly ever singular");
-        let carried =
+        let moved =
             <Aabb as NodeVolume>::of_points(&points).and_then(|b| NodeVolume::moved(&b, &pose)).expect("finite");
-        // The map's own bound on the error of a rounded image takes the place of exact arithmetic.
+        // The map's error bound of a rounded image replaces exact arithmetic.
         let map = RelativeMap::a_from_b(&Pose::IDENTITY, &pose);
         for point in points {
             let (image, error) = (map.apply(point), map.image_error(point.map(f64::abs)));
             for axis in 0..3 {
-                assert!(f64::from(carried.min[axis]) <= image[axis] + error[axis], "round {round}");
-                assert!(f64::from(carried.max[axis]) >= image[axis] - error[axis], "round {round}");
+                assert!(f64::from(moved.min[axis]) <= image[axis] + error[axis], "round {round}");
+                assert!(f64::from(moved.max[axis]) >= image[axis] - error[axis], "round {round}");
             }
         }
     }

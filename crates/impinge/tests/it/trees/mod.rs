@@ -1,3 +1,3 @@
-//! Trees of every builder, degree, volume and enclosure: none of them may change an answer.
+//! Trees of every builder, degree, volume and enclosure, none of which may change an answer.
 
 mod generic;

@@ -1,11 +1,11 @@
-//! One box against many: every vector level against the plain loop.
+//! One box against many: every vector level against a plain loop. Guards `AabbBatch`.
 
 use impinge::simd::levels;
 use impinge::volume::{Aabb, AabbBatch};
 use impinge_testkit::generate::Rng;
 
 #[test]
-fn every_level_finds_what_the_plain_loop_finds() {
+fn every_vector_level_agrees_with_a_plain_loop() {
     let mut rng = Rng::new(21);
     let (mut met, mut asked, mut touching) = (0, 0, 0);
     for count in (0..40).chain([1000]) {
@@ -30,7 +30,7 @@ fn every_level_finds_what_the_plain_loop_finds() {
     assert!((asked / 20..asked * 7 / 10).contains(&met) && touching > met / 10, "{met} of {asked}, {touching} touch");
 }
 
-/// On a grid, so that boxes touch; some flat, some empty.
+/// Returns a box on a grid, so that boxes touch. Some are flat, and some are empty.
 fn any_box(rng: &mut Rng) -> Aabb {
     if rng.one_in(20) {
         return Aabb::EMPTY;

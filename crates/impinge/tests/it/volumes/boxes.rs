@@ -1,7 +1,8 @@
-//! The three forms of a box and their packed forms: no conversion shrinks, no test calls apart what meets.
+//! The three forms of a box and their packed forms: no conversion shrinks a box, and boxes that
+//! overlap are never reported apart.
 
 use impinge::volume::{
-    Aabb, BoundingVolume, CentreRadius, MinMax, MinWidths, PackedCentreRadius, PackedMinWidths, Steps,
+    Aabb, BoundingVolume, CenterRadius, MinMax, MinWidths, PackedCenterRadius, PackedMinWidths, Steps,
 };
 use impinge_testkit::generate::Rng;
 
@@ -24,7 +25,7 @@ fn no_chain_of_conversions_shrinks() {
         holds_box(&widths, &bounds);
         let back = MinMax::from(widths);
         holds_box(&back, &widths);
-        let radius = CentreRadius::from(back);
+        let radius = CenterRadius::from(back);
         holds_box(&radius, &back);
         let again = MinMax::from(radius);
         holds_box(&again, &radius);
@@ -34,13 +35,13 @@ fn no_chain_of_conversions_shrinks() {
         packed_chain::<u16>(&bounds);
         kept += usize::from(again == bounds);
     }
-    assert!(kept > 100, "{kept} of 400 chains came back unchanged, as what is on a grid should");
+    assert!(kept > 100, "{kept} of 400 chains are unchanged, as those on a grid must be");
 }
 
-/// Packed forms hold what they were made of, decode exactly, and stay tight: a step is a power of two below 2 / MOST of the
-/// longest extent.
+/// Checks packed forms: they contain the original box, decode exactly, and stay tight. A step is a
+/// power of two below 2 / MOST of the longest extent.
 fn packed_chain<T: Steps>(bounds: &MinMax) {
-    let (widths, radius) = (MinWidths::from(*bounds), CentreRadius::from(*bounds));
+    let (widths, radius) = (MinWidths::from(*bounds), CenterRadius::from(*bounds));
     let packed = PackedMinWidths::<T>::try_from(widths).unwrap();
     let decoded = MinWidths::from(packed);
     holds_box(&decoded, &widths);
@@ -50,12 +51,12 @@ fn packed_chain<T: Steps>(bounds: &MinMax) {
         packed.volume(),
         "packing again changes nothing"
     );
-    let centred = PackedCentreRadius::<T>::try_from(radius).unwrap();
-    let decoded_radius = CentreRadius::from(centred);
+    let centerd = PackedCenterRadius::<T>::try_from(radius).unwrap();
+    let decoded_radius = CenterRadius::from(centerd);
     holds_box(&decoded_radius, &radius);
-    holds_box(&MinMax::from(centred), &decoded_radius);
+    holds_box(&MinMax::from(centerd), &decoded_radius);
     let longest = widths.widths().into_iter().fold(0.0, f64::max);
-    // What a corner loses in single precision, and a step of the longest.
+    // The rounding error of a corner in single precision.
     let corner = bounds.min().into_iter().chain(bounds.max()).fold(0.0_f64, |far, x| far.max(2.4e-7 * x.abs()));
     for k in 0..3 {
         let step = 2.0 * (longest + corner) / f64::from(T::MOST) + 1e-38;
@@ -68,14 +69,14 @@ fn packed_chain<T: Steps>(bounds: &MinMax) {
 }
 
 #[test]
-fn the_tests_of_all_forms_are_right() {
+fn overlap_tests_of_all_forms_are_right() {
     let mut rng = Rng::new(32);
     let (mut met, mut close) = (0, 0);
     for round in 0..2000 {
         let draw = Draw::new(&mut rng);
         let (a, mut b) = (draw.any_box(&mut rng), draw.any_box(&mut rng));
         if round % 2 == 0 {
-            // A touch on one axis: exactly, a step short of it, or a step over.
+            // Touching on one axis: exactly, one float short of it, or one float over.
             let axis = rng.integer(0, 2) as usize;
             let mut min = b.min();
             min[axis] = rng.choose(&[a.max()[axis], a.max()[axis].next_up(), a.max()[axis].next_down()]);
@@ -83,34 +84,35 @@ fn the_tests_of_all_forms_are_right() {
             b = MinMax::new(min, max).unwrap();
             close += 1;
         }
-        let truth = meet(&a, &b);
+        let truth = have_common_point(&a, &b);
         met += usize::from(truth);
         assert_eq!(a.overlaps(&b), truth);
         let (p, q) = (MinWidths::from(a), MinWidths::from(b));
-        assert_eq!(p.overlaps(&q), meet(&p, &q), "{p:?} {q:?}");
-        let (p, q) = (CentreRadius::from(a), CentreRadius::from(b));
-        assert!(p.overlaps(&q) || !meet(&p, &q), "{p:?} {q:?}");
+        assert_eq!(p.overlaps(&q), have_common_point(&p, &q), "{p:?} {q:?}");
+        let (p, q) = (CenterRadius::from(a), CenterRadius::from(b));
+        assert!(p.overlaps(&q) || !have_common_point(&p, &q), "{p:?} {q:?}");
         packed_overlap::<u8>(&a, &b);
         packed_overlap::<u16>(&a, &b);
     }
-    assert!((600..1600).contains(&met) && close == 1000, "{met} of 2000 meet");
+    assert!((600..1600).contains(&met) && close == 1000, "{met} of 2000 have_common_point");
 }
 
 fn packed_overlap<T: Steps>(a: &MinMax, b: &MinMax) {
     let pack = |bounds: &MinMax| PackedMinWidths::<T>::try_from(MinWidths::from(*bounds)).unwrap();
     let (p, q) = (pack(a), pack(b));
-    assert_eq!(p.overlaps(&q), meet(&MinWidths::from(p), &MinWidths::from(q)));
-    assert!(p.overlaps(&q) || !meet(a, b));
+    assert_eq!(p.overlaps(&q), have_common_point(&MinWidths::from(p), &MinWidths::from(q)));
+    assert!(p.overlaps(&q) || !have_common_point(a, b));
     holds_box(&MinWidths::from(p.merged(&q).unwrap()), a);
-    let pack = |bounds: &MinMax| PackedCentreRadius::<T>::try_from(CentreRadius::from(*bounds)).unwrap();
+    let pack = |bounds: &MinMax| PackedCenterRadius::<T>::try_from(CenterRadius::from(*bounds)).unwrap();
     let (p, q) = (pack(a), pack(b));
-    assert!(p.overlaps(&q) || !meet(&CentreRadius::from(p), &CentreRadius::from(q)));
-    assert!(p.overlaps(&q) || !meet(a, b));
-    holds_box(&CentreRadius::from(p.merged(&q).unwrap()), b);
+    assert!(p.overlaps(&q) || !have_common_point(&CenterRadius::from(p), &CenterRadius::from(q)));
+    assert!(p.overlaps(&q) || !have_common_point(a, b));
+    holds_box(&CenterRadius::from(p.merged(&q).unwrap()), b);
 }
 
-/// Whether two boxes have a common point: no axis on which all corners of the one are beyond all of the other.
-fn meet<V: Exact>(a: &V, b: &V) -> bool {
+/// Reports whether two boxes have a common point: no axis separates all corners of one box from
+/// those of the other.
+fn have_common_point<V: Exact>(a: &V, b: &V) -> bool {
     let (p, q) = (a.witnesses(), b.witnesses());
     (0..3).all(|k| {
         let ends = |points: &[crate::volumes::exact::Point]| {
@@ -123,7 +125,7 @@ fn meet<V: Exact>(a: &V, b: &V) -> bool {
 }
 
 #[test]
-fn containment_is_what_it_says() {
+fn containment_agrees_with_rationals() {
     let mut rng = Rng::new(33);
     let (mut inside, mut enclosed) = (0, 0);
     for _ in 0..2000 {
@@ -132,14 +134,14 @@ fn containment_is_what_it_says() {
         let p: [f64; 3] =
             std::array::from_fn(|k| rng.choose(&[a.min()[k], a.max()[k], a.max()[k].next_up(), b.min()[k]]));
         assert_eq!(a.contains(p), a.holds(&point(p)));
-        let (widths, radius) = (MinWidths::from(a), CentreRadius::from(a));
+        let (widths, radius) = (MinWidths::from(a), CenterRadius::from(a));
         assert_eq!(widths.contains(p), widths.holds(&point(p)));
         assert_eq!(radius.contains(p), radius.holds(&point(p)));
         let truth = b.witnesses().iter().all(|corner| a.holds(corner));
         assert_eq!(a.encloses(&b), truth);
         let of_widths = MinWidths::from(b);
         assert!(!widths.encloses(&of_widths) || of_widths.witnesses().iter().all(|corner| widths.holds(corner)));
-        let of_radius = CentreRadius::from(b);
+        let of_radius = CenterRadius::from(b);
         assert!(!radius.encloses(&of_radius) || of_radius.witnesses().iter().all(|corner| radius.holds(corner)));
         inside += usize::from(a.contains(p));
         enclosed += usize::from(truth);
@@ -148,17 +150,17 @@ fn containment_is_what_it_says() {
 }
 
 #[test]
-fn measures_are_those_of_the_box() {
+fn volume_and_surface_area_are_those_of_the_box() {
     let bounds = MinMax::new([1.0; 3], [2.0, 3.0, 4.0]).unwrap();
     assert_eq!((bounds.volume(), bounds.surface_area()), (6.0, 22.0));
-    let (widths, radius) = (MinWidths::from(bounds), CentreRadius::from(bounds));
+    let (widths, radius) = (MinWidths::from(bounds), CenterRadius::from(bounds));
     assert_eq!((widths.volume(), widths.surface_area()), (6.0, 22.0));
     assert_eq!((radius.volume(), radius.surface_area()), (6.0, 22.0));
     assert_eq!(MinMax::from_aabb(&Aabb::EMPTY), None);
 }
 
 #[test]
-fn what_is_tiny_or_huge_is_packed_too() {
+fn tiny_and_huge_boxes_are_packed() {
     for size in [5e-324, 1e-45, 1e-38, 1.0, 1e37] {
         let bounds = MinMax::new([-size, 0.0, size], [size, size, size]).unwrap();
         packed_holds::<u8>(&bounds);
@@ -172,10 +174,10 @@ fn what_is_tiny_or_huge_is_packed_too() {
 
 fn packed_holds<T: Steps>(bounds: &MinMax) {
     holds_box(&MinMax::from(PackedMinWidths::<T>::try_from(MinWidths::from(*bounds)).unwrap()), bounds);
-    holds_box(&MinMax::from(PackedCentreRadius::<T>::try_from(CentreRadius::from(*bounds)).unwrap()), bounds);
+    holds_box(&MinMax::from(PackedCenterRadius::<T>::try_from(CenterRadius::from(*bounds)).unwrap()), bounds);
 }
 
-/// An offset and a size that both boxes of a pair share; half on a grid, half anywhere.
+/// Offset and size shared by the boxes of a pair. Half of the pairs are on a grid.
 struct Draw {
     offset: f64,
     size: f64,

@@ -1,8 +1,11 @@
-//! Which points a volume holds, in rational arithmetic: from what its numbers mean, by nothing that the library does.
+//! Oracle: points of volumes in rational arithmetic, from the meaning of their numbers. It shares
+//! no code with the library.
+//!
+//! It checks fitting, merging, moving and overlap tests of every volume.
 
 use dashu_ratio::RBig;
 use impinge::Pose;
-use impinge::volume::{BoundingSphere, BoundingVolume, Capsule, CentreRadius, Kdop, Lozenge, MinMax, MinWidths, Obb};
+use impinge::volume::{BoundingSphere, BoundingVolume, Capsule, CenterRadius, Kdop, Lozenge, MinMax, MinWidths, Obb};
 
 pub(crate) type Point = [RBig; 3];
 
@@ -14,7 +17,7 @@ pub(crate) fn point(p: [f64; 3]) -> Point {
     p.map(rational)
 }
 
-/// The image of a point, not rounded.
+/// Returns the exact image of a point.
 pub(crate) fn image(pose: &Pose, p: &Point) -> Point {
     std::array::from_fn(|i| {
         (0..3).fold(rational(pose.translation()[i]), |sum, j| sum + rational(pose.linear()[i][j]) * p[j].clone())
@@ -44,14 +47,15 @@ fn clamp(x: RBig) -> RBig {
     x.max(RBig::ZERO).min(RBig::ONE)
 }
 
-/// Volumes whose points can be told exactly.
+/// Volumes with an exact test of their points.
 pub(crate) trait Exact: BoundingVolume {
     fn holds(&self, p: &Point) -> bool;
 
-    /// Points that the volume certainly has, on its boundary where that is easy: its own corners, poles and ends.
+    /// Returns points of the volume, on its boundary if that is easy: its corners, poles and ends.
     fn witnesses(&self) -> Vec<Point>;
 
-    /// Bounds on z, of which those of the witnesses fall short by less than their difference.
+    /// Returns bounds of the volume along z. The witnesses fall short of them by less than the
+    /// difference of the bounds.
     fn heights(&self) -> Option<[RBig; 2]> {
         let heights = || self.witnesses().into_iter().map(|p| p[2].clone());
         Some([heights().min()?, heights().max()?])
@@ -83,28 +87,28 @@ impl Exact for MinWidths {
     }
 }
 
-impl Exact for CentreRadius {
+impl Exact for CenterRadius {
     fn holds(&self, p: &Point) -> bool {
-        (0..3).all(|k| magnitude(p[k].clone() - rational(self.centre()[k])) <= rational(self.half_extents()[k]))
+        (0..3).all(|k| magnitude(p[k].clone() - rational(self.center()[k])) <= rational(self.half_extents()[k]))
     }
 
     fn witnesses(&self) -> Vec<Point> {
-        let (centre, half) = (point(self.centre()), point(self.half_extents()));
-        let low = subtract(&centre, &half);
-        let high = std::array::from_fn(|k| centre[k].clone() + half[k].clone());
+        let (center, half) = (point(self.center()), point(self.half_extents()));
+        let low = subtract(&center, &half);
+        let high = std::array::from_fn(|k| center[k].clone() + half[k].clone());
         corners(&low, &high)
     }
 }
 
 impl Exact for BoundingSphere {
     fn holds(&self, p: &Point) -> bool {
-        let offset = subtract(p, &point(self.centre()));
+        let offset = subtract(p, &point(self.center()));
         let radius = rational(self.radius());
         dot(&offset, &offset) <= radius.clone() * radius
     }
 
     fn witnesses(&self) -> Vec<Point> {
-        poles(&point(self.centre()), self.radius())
+        poles(&point(self.center()), self.radius())
     }
 }
 
@@ -130,7 +134,7 @@ impl Exact for Lozenge {
         let (uu, uv, vv) = (dot(&u, &u), dot(&u, &v), dot(&v, &v));
         let determinant = uu.clone() * vv.clone() - uv.clone() * uv.clone();
         let (up, vp) = (dot(&u, &offset), dot(&v, &offset));
-        // The least of a convex quadratic over the unit square: inside, or on one of the sides.
+        // The minimum of a convex quadratic over the unit square is inside, or on one of the sides.
         let mut places = Vec::new();
         if determinant > RBig::ZERO {
             let s = (vv.clone() * up.clone() - uv.clone() * vp.clone()) / determinant.clone();
@@ -168,7 +172,7 @@ impl Exact for Lozenge {
 impl Exact for Obb {
     fn holds(&self, p: &Point) -> bool {
         let [a, b, c] = self.axes().map(point);
-        let offset = subtract(p, &point(self.centre()));
+        let offset = subtract(p, &point(self.center()));
         let normals = [cross(&b, &c), cross(&c, &a), cross(&a, &b)];
         let volume = dot(&a, &normals[0]);
         assert!(volume != RBig::ZERO, "the axes span space");
@@ -180,7 +184,7 @@ impl Exact for Obb {
         (0..8)
             .map(|corner| {
                 std::array::from_fn(|k| {
-                    (0..3).fold(rational(self.centre()[k]), |sum, axis| {
+                    (0..3).fold(rational(self.center()[k]), |sum, axis| {
                         let reach = axes[axis][k].clone() * rational(self.half_extents()[axis]);
                         if corner >> axis & 1 == 1 { sum + reach } else { sum - reach }
                     })
@@ -198,7 +202,8 @@ impl<const D: usize> Exact for Kdop<D> {
         })
     }
 
-    /// From the middle of the box, where that is inside, towards its corners and sides as far as the slabs let.
+    /// Returns points from the middle of the box, if that is inside, toward its corners and sides
+    /// as far as the slabs permit.
     fn witnesses(&self) -> Vec<Point> {
         let low: Point = std::array::from_fn(|k| rational(self.low()[k]));
         let high: Point = std::array::from_fn(|k| rational(self.high()[k]));
@@ -233,7 +238,7 @@ impl<const D: usize> Exact for Kdop<D> {
     }
 }
 
-/// Whether |offset - Σ t edge| is at most the radius.
+/// Reports whether |offset - Σ t edge| is at most the radius.
 fn within(offset: &Point, parts: &[(RBig, &Point)], radius: f64) -> bool {
     let rest: Point = std::array::from_fn(|k| {
         parts.iter().fold(offset[k].clone(), |rest, (t, edge)| rest - t.clone() * edge[k].clone())
@@ -246,9 +251,9 @@ fn corners(low: &Point, high: &Point) -> Vec<Point> {
     (0..8).map(|i| std::array::from_fn(|k| if i >> k & 1 == 1 { high[k].clone() } else { low[k].clone() })).collect()
 }
 
-fn poles(centre: &Point, radius: f64) -> Vec<Point> {
+fn poles(center: &Point, radius: f64) -> Vec<Point> {
     let at = |axis: usize, reach: f64| -> Point {
-        std::array::from_fn(|k| centre[k].clone() + if k == axis { rational(reach) } else { RBig::ZERO })
+        std::array::from_fn(|k| center[k].clone() + if k == axis { rational(reach) } else { RBig::ZERO })
     };
     (0..3).flat_map(|axis| [at(axis, radius), at(axis, -radius)]).collect()
 }

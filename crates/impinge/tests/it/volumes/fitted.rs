@@ -1,4 +1,4 @@
-//! How well the other volumes fit, where that is known.
+//! Tightness of fitted volumes, if the optimum is known or bounded.
 
 use impinge::Pose;
 use impinge::volume::{BoundingVolume, Capsule, Kdop14, Kdop18, Kdop26, Lozenge, MinMax, Obb, fit};
@@ -6,11 +6,11 @@ use impinge_testkit::generate::{Rng, poses, solids};
 
 use crate::volumes::points::{KINDS, cloud};
 
-/// 6√6 and a little for rounding.
+/// Proved factor between an oriented box and its lower bound: 6√6, plus rounding.
 const PROVED: f64 = 14.7;
 
 #[test]
-fn a_turned_box_is_found_again() {
+fn the_oriented_box_of_a_turned_box_is_that_box() {
     let mut rng = Rng::new(71);
     for _ in 0..40 {
         let edges: [f64; 3] = std::array::from_fn(|_| rng.uniform(0.1, 3.0));
@@ -24,7 +24,8 @@ fn a_turned_box_is_found_again() {
     }
 }
 
-/// For any set the bound below holds, and the box is within the proved factor of it; of flat sets both are nothing.
+/// Checks for any set that the lower bound holds and the box is within the proved factor of it. For
+/// flat sets both are zero.
 #[test]
 fn the_oriented_box_is_within_its_proved_factor() {
     let mut rng = Rng::new(72);
@@ -34,7 +35,7 @@ fn the_oriented_box_is_within_its_proved_factor() {
         let fitted = fit::obb(&points).unwrap();
         let bounds = MinMax::of(&points).unwrap();
         let extent = (0..3).map(|k| bounds.max()[k] - bounds.min()[k]).fold(0.0, f64::max);
-        // A flat set far away is as thick as its coordinates are coarse.
+        // A flat set far from the origin is as thick as the spacing of its coordinates.
         let coarse = bounds.max().iter().fold(0.0_f64, |far, x| far.max(x.abs())) * 1e-15;
         let rounding = (1e-12 * extent + coarse) * extent * extent * 8.0;
         assert!(fitted.volume_lower <= fitted.obb.volume());
@@ -49,11 +50,11 @@ fn the_oriented_box_is_within_its_proved_factor() {
 }
 
 #[test]
-fn rods_and_plates_get_what_suits_them() {
+fn rods_fit_capsules_and_plates_fit_lozenges() {
     let mut rng = Rng::new(73);
     let turn = poses::rotation(&mut rng);
     let pose = Pose::new(turn.linear, [1e3, 0.0, 0.0]).unwrap();
-    // A capsule's own surface: poles, rings and sides about z, of radius 1 and length 6.
+    // Points on the surface of a capsule of radius 1 and length 6: poles, rings and sides about z.
     let mut pill = vec![[0.0, 0.0, 4.0], [0.0, 0.0, -4.0]];
     for (x, y) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (0.6, 0.8), (-0.6, -0.8), (-0.8, 0.6), (0.8, -0.6)]
     {
@@ -65,7 +66,7 @@ fn rods_and_plates_get_what_suits_them() {
     let truth = Capsule::new([0.0, 0.0, -3.0], [0.0, 0.0, 3.0], 1.0).unwrap();
     assert!((capsule.volume() / truth.volume() - 1.0).abs() < 1e-9, "{capsule:?}");
 
-    // A plate with round rims: the middles of the sides, the faces' corners and the rim's.
+    // A plate with round rims: the middles of the sides, and corners of the faces and of the rim.
     let (a, b, r) = (3.0, 2.0, 0.25);
     let mut plate = vec![[a + r, 0.0, 0.0], [-a - r, 0.0, 0.0], [0.0, b + r, 0.0], [0.0, -b - r, 0.0]];
     for (s, t) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
@@ -79,7 +80,7 @@ fn rods_and_plates_get_what_suits_them() {
 }
 
 #[test]
-fn polytopes_measure_what_they_enclose() {
+fn polytopes_have_their_known_volumes_and_areas() {
     let cube = solids::cuboid([1.0; 3], [3.0; 3]).vertices;
     let octahedron: Vec<[f64; 3]> =
         (0..3).flat_map(|k| [1.0, -1.0].map(|s| std::array::from_fn(|axis| if axis == k { s } else { 0.0 }))).collect();
@@ -92,15 +93,16 @@ fn polytopes_measure_what_they_enclose() {
     assert!(near(Kdop26::of(&cube).unwrap().surface_area(), 24.0));
     let of_14 = Kdop14::of(&octahedron).unwrap();
     assert!(near(of_14.volume(), 4.0 / 3.0) && near(of_14.surface_area(), 4.0 * 3_f64.sqrt()), "{of_14:?}");
-    // The rhombic dodecahedron about the octahedron: |x| + |y| and so on at most 1.
+    // The rhombic dodecahedron around the octahedron: |x| + |y| ≤ 1 and so on.
     let of_18 = Kdop18::of(&octahedron).unwrap();
     assert!(near(of_18.volume(), 2.0), "{}", of_18.volume());
     assert!(near(Kdop26::of(&octahedron).unwrap().volume(), 4.0 / 3.0));
 }
 
-/// A turned polytope is smaller than the turned box of it: its other faces help.
+/// Checks that a moved polytope is smaller than the moved box of the same points, because its other
+/// faces bound it too.
 #[test]
-fn turning_a_polytope_uses_its_faces() {
+fn moving_a_polytope_uses_all_its_slabs() {
     let mut rng = Rng::new(74);
     let ball = solids::icosphere(2).vertices;
     let mut sums = [0.0; 4];

@@ -1,27 +1,27 @@
-//! What every kind of volume promises, asked of each: through fitting, merging and moving no point is lost, and volumes
-//! that share a point are never called apart.
+//! Invariants of every kind of volume: fitting, merging and moving lose no point, and volumes with
+//! a common point are never reported apart.
 
 use impinge::Pose;
-use impinge::volume::{BoundingSphere, Capsule, CentreRadius, Kdop14, Kdop18, Kdop26, Lozenge, MinMax, MinWidths, Obb};
+use impinge::volume::{BoundingSphere, Capsule, CenterRadius, Kdop14, Kdop18, Kdop26, Lozenge, MinMax, MinWidths, Obb};
 use impinge_testkit::generate::Rng;
 
 use crate::volumes::exact::{Exact, Point, image, point};
 use crate::volumes::points::{KINDS, cloud, motion};
 
-/// One test a kind of volume, for each law.
+/// Makes one test per volume for each invariant.
 macro_rules! for_every_volume {
     ($($name:ident: $volume:ty),* $(,)?) => {
         mod chains {
             use super::*;
             $(#[test] fn $name() { no_chain_loses_a_point::<$volume>(); })*
         }
-        mod meetings {
+        mod overlaps {
             use super::*;
-            $(#[test] fn $name() { what_meets_is_never_apart::<$volume>(); })*
+            $(#[test] fn $name() { overlapping_volumes_are_never_apart::<$volume>(); })*
         }
         mod distances {
             use super::*;
-            $(#[test] fn $name() { what_is_far_apart_is_said_to_be::<$volume>(); })*
+            $(#[test] fn $name() { volumes_far_apart_are_reported_apart::<$volume>(); })*
         }
     };
 }
@@ -29,7 +29,7 @@ macro_rules! for_every_volume {
 for_every_volume! {
     min_max: MinMax,
     min_widths: MinWidths,
-    centre_radius: CentreRadius,
+    center_radius: CenterRadius,
     sphere: BoundingSphere,
     capsule: Capsule,
     lozenge: Lozenge,
@@ -39,7 +39,8 @@ for_every_volume! {
     kdop26: Kdop26,
 }
 
-/// Fits two clouds, moves one, merges them, moves again, twice; every point is followed exactly and must be held throughout.
+/// Checks a chain of two rounds of moving and merging fitted volumes. Every point is followed
+/// exactly, and the volume must contain it throughout.
 fn no_chain_loses_a_point<V: Exact>() {
     let mut rng = Rng::new(11);
     let mut turned = 0;
@@ -58,7 +59,7 @@ fn no_chain_loses_a_point<V: Exact>() {
             turned += usize::from(pose.linear() != Pose::IDENTITY.linear());
             if step == 0 {
                 let other = fit(&b);
-                assert_eq!(volume.merged(&other), other.merged(&volume), "the order shows");
+                assert_eq!(volume.merged(&other), other.merged(&volume), "the order changes the result");
                 volume = volume.merged(&other);
                 held.extend(b.iter().map(|&p| point(p)));
                 all_held(&volume, &held);
@@ -75,22 +76,24 @@ fn all_held<V: Exact>(volume: &V, points: &[Point]) {
     assert!(volume.volume() >= 0.0 && volume.surface_area() >= 0.0 && volume.volume().is_finite());
 }
 
-/// Volumes of overlapping clouds, and volumes moved until points that they certainly have coincide up to a rounding.
-fn what_meets_is_never_apart<V: Exact>() {
+/// Checks volumes of overlapping clouds, and volumes moved until points of both coincide up to
+/// rounding.
+fn overlapping_volumes_are_never_apart<V: Exact>() {
     let mut rng = Rng::new(12);
     let (mut met, mut touched) = (0, 0);
     for round in 0..300 {
         let a = cloud(&mut rng, KINDS[round % KINDS.len()], 6);
         let mut b = cloud(&mut rng, KINDS[round / 8 % KINDS.len()], 6);
         if rng.one_in(2) {
-            // A common point, in the hull of both.
+            // A common point, in both hulls.
             b[0] = a[1];
         }
         let (mut a, b) = (V::of_points(&a).expect("finite"), V::of_points(&b).expect("finite"));
         if rng.one_in(2) {
             a = a.moved(&motion(&mut rng)).expect("rigid");
         }
-        // Move b so that a point of its boundary comes to one of a's, rounded: about half of these touch or overlap.
+        // Move b so that a point of its boundary coincides with a point of a, up to rounding. About
+        // half of these pairs touch or overlap.
         let (of_a, of_b) = (a.witnesses(), b.witnesses());
         let mut b = b;
         if let (Some(p), Some(q)) = (of_a.get(round % 5), of_b.get(round % 7)) {
@@ -107,13 +110,14 @@ fn what_meets_is_never_apart<V: Exact>() {
         }
         met += usize::from(shared);
     }
-    assert!(met >= 100 && touched >= 100, "{met} of 300 meet, {touched} touched");
+    assert!(met >= 100 && touched >= 100, "{met} of 300 overlap, {touched} touched");
 }
 
-/// Conservative is not careless: volumes with a hundredth of their size between them are told apart.
-fn what_is_far_apart_is_said_to_be<V: Exact>() {
+/// Checks that conservative tests stay useful: volumes with a gap of 0.01 times their size are
+/// reported apart.
+fn volumes_far_apart_are_reported_apart<V: Exact>() {
     let mut rng = Rng::new(13);
-    let mut told = 0;
+    let mut reported = 0;
     for round in 0..200 {
         let kind = KINDS[round % KINDS.len()];
         let (a, b) = (cloud(&mut rng, kind, 6), cloud(&mut rng, kind, 6));
@@ -122,11 +126,12 @@ fn what_is_far_apart_is_said_to_be<V: Exact>() {
         let size = (high - bottom.clone()).to_f64().value()
             + (top.clone() - a.heights().expect("as above")[0].clone()).to_f64().value();
         let rise = (top - bottom).to_f64().value();
-        // For tilted volumes corners stick out further than the highest witness; twice the size clears them.
+        // Corners of tilted volumes stick out further than the highest witness. Twice the size
+        // clears them.
         let by = [0.0, 0.0, rise + 2.01 * size + 1e-6 * (1.0 + rise.abs())];
         let b = b.moved(&Pose::from_translation(by).expect("in range")).expect("rigid");
         assert!(!a.overlaps(&b), "{a:?}\n{b:?}");
-        told += 1;
+        reported += 1;
     }
-    assert!(told >= 50, "{told} of 200");
+    assert!(reported >= 50, "{reported} of 200");
 }

@@ -1,5 +1,5 @@
-//! Bounding volumes against rational arithmetic: whatever is made of them holds what they were made from, and no test says
-//! *apart* for volumes that meet.
+//! Bounding volumes against rational arithmetic: they contain the points they were made from, and
+//! overlapping volumes are never reported apart.
 
 mod batch;
 mod boxes;

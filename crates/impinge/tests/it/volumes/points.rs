@@ -1,27 +1,27 @@
-//! Points that are hard on volumes, poses that are hard on rounding.
+//! Point sets with many degeneracies, and poses that force rounding.
 
 use impinge::Pose;
 use impinge_testkit::generate::{Rng, poses};
 
-/// Offsets and sizes between which every generator chooses.
+/// Offsets and sizes from which every generator chooses.
 const OFFSETS: [f64; 4] = [0.0, 0.0, 1e7, -1e7 / 3.0];
 const SIZES: [f64; 6] = [1.0, 1.0, 1e-6, 1e6, 0.125, 1024.0];
 
-/// What a set of points is like; every kind meets ties of its own.
+/// Kind of a set of points. Each kind has ties of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
     Generic,
-    /// On a small grid: coplanar, collinear and cospherical in most cases.
+    /// On a small grid: mostly coplanar, collinear and cospherical.
     Grid,
-    /// Few different ones, repeated.
+    /// Three different points, repeated.
     Duplicated,
     Collinear,
     Coplanar,
-    /// On a sphere, exactly: permutations and signs of (1, 2, 2) and (0, 0, 3) and the like.
+    /// Exactly on a sphere: permutations and signs of (1, 2, 2) and (0, 0, 3).
     Cospherical,
-    /// On a circle, exactly: (3, 4), (0, 5) and the like.
+    /// Exactly on a circle: (3, 4), (0, 5) and their permutations and signs.
     Cocircular,
-    /// One far from all others.
+    /// One point far from all others.
     Outlier,
 }
 
@@ -36,7 +36,7 @@ pub(crate) const KINDS: [Kind; 8] = [
     Kind::Outlier,
 ];
 
-/// `count` points of a kind, about an offset and of a size that are drawn too.
+/// Returns `count` points of a kind, at a random offset and scale.
 pub(crate) fn cloud(rng: &mut Rng, kind: Kind, count: usize) -> Vec<[f64; 3]> {
     let offset: [f64; 3] = std::array::from_fn(|_| rng.choose(&OFFSETS));
     let size = rng.choose(&SIZES);
@@ -81,7 +81,7 @@ fn shuffled_and_signed(rng: &mut Rng, shapes: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|k| shape[order[k]] * rng.choose(&[-1.0, 1.0]))
 }
 
-/// A rigid motion: none, one of the cube's, or any rotation, which rounds.
+/// Returns a rigid motion: a translation, a symmetry of the cube, or a rotation, which rounds.
 pub(crate) fn motion(rng: &mut Rng) -> Pose {
     let linear = match rng.integer(0, 3) {
         0 => *Pose::IDENTITY.linear(),

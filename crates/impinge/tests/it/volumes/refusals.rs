@@ -1,7 +1,8 @@
-//! Input that is none, judged at the door (NASTY N1, N8, N25).
+//! Validation of the input of volumes: numbers that are not finite, empty sets, negative sizes, and
+//! maps that are not rigid.
 
 use impinge::volume::fit;
-use impinge::volume::{BoundingSphere, BoundingVolume, Capsule, CentreRadius, Kdop14, Lozenge, MinMax, MinWidths, Obb};
+use impinge::volume::{BoundingSphere, BoundingVolume, Capsule, CenterRadius, Kdop14, Lozenge, MinMax, MinWidths, Obb};
 use impinge::{InputErrorKind, Pose};
 
 fn kind<T: std::fmt::Debug>(result: Result<T, impinge::InputError>) -> InputErrorKind {
@@ -9,13 +10,13 @@ fn kind<T: std::fmt::Debug>(result: Result<T, impinge::InputError>) -> InputErro
 }
 
 #[test]
-fn n8_no_points_have_no_volume() {
+fn empty_and_nonfinite_point_sets_are_rejected() {
     let empty = InputErrorKind::Empty { what: "points" };
     fn all(points: &[[f64; 3]]) -> Vec<InputErrorKind> {
         vec![
             kind(MinMax::of_points(points)),
             kind(MinWidths::of_points(points)),
-            kind(CentreRadius::of_points(points)),
+            kind(CenterRadius::of_points(points)),
             kind(BoundingSphere::of_points(points)),
             kind(Capsule::of_points(points)),
             kind(Lozenge::of_points(points)),
@@ -30,7 +31,7 @@ fn n8_no_points_have_no_volume() {
         ]
     }
     assert!(all(&[]).iter().all(|kind| *kind == empty));
-    // Wherever the bad number is, and whatever surrounds it.
+    // At any index, among any other points.
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for at in [0, 5, 8, 40] {
             let mut points = vec![[0.5; 3]; 41];
@@ -48,7 +49,7 @@ fn n8_no_points_have_no_volume() {
 }
 
 #[test]
-fn n25_lengths_are_not_negative_and_may_be_zero() {
+fn negative_sizes_are_rejected_and_zero_is_valid() {
     let negative = |what| InputErrorKind::Negative { what, index: 0 };
     assert_eq!(kind(BoundingSphere::new([0.0; 3], -1.0)), negative("radius"));
     assert_eq!(kind(Capsule::new([0.0; 3], [1.0; 3], -f64::MIN_POSITIVE)), negative("radius"));
@@ -70,7 +71,7 @@ fn n25_lengths_are_not_negative_and_may_be_zero() {
 }
 
 #[test]
-fn round_volumes_want_rigid_motions_and_boxes_any_map() {
+fn round_volumes_need_rigid_motions_and_boxes_accept_any_map() {
     let squash = Pose::new([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.5]], [0.0; 3]).unwrap();
     let points = [[0.0; 3], [1.0, 2.0, 3.0], [-1.0, 0.5, 0.0], [0.0, 0.0, 4.0]];
     let not_rigid = |kind| matches!(kind, InputErrorKind::NotRigid { deviation } if (0.75..0.751).contains(&deviation));

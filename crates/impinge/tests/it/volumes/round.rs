@@ -1,4 +1,4 @@
-//! Distances of round volumes, against rational quadratic programming.
+//! Distances of round volumes against quadratic programming in rationals.
 
 use dashu_ratio::RBig;
 use impinge::volume::{BoundingSphere, BoundingVolume, Capsule, DistanceBounds, Lozenge, Proximity, Round};
@@ -8,7 +8,7 @@ use crate::volumes::exact::rational;
 
 type Vector = [RBig; 3];
 
-/// A core as corner and edges, exactly.
+/// Core of a round volume: a corner and edges, exactly.
 struct Core {
     corner: Vector,
     edges: Vec<Vector>,
@@ -27,8 +27,10 @@ fn dot(p: &Vector, q: &Vector) -> RBig {
     (0..3).fold(RBig::ZERO, |sum, k| sum + p[k].clone() * q[k].clone())
 }
 
-/// The least of |w - Σ tᵢ edgeᵢ|² for t in the unit cube: at a stationary point of some face of the cube, since the least of a
-/// convex quadratic is, and where that face has no single one, of a smaller face.
+/// Returns the minimum of |w - Σ tᵢ edgeᵢ|² for t in the unit cube.
+///
+/// A convex quadratic has its minimum at a stationary point of some face of the cube. If a face has
+/// no unique stationary point, a smaller face has the same minimum.
 fn squared_distance(a: &Core, b: &Core) -> RBig {
     let w = minus(&b.corner, &a.corner);
     let negated = b.edges.iter().map(|edge| edge.each_ref().map(|x| -x.clone()));
@@ -59,7 +61,8 @@ fn squared_distance(a: &Core, b: &Core) -> RBig {
     least.expect("the corners are faces")
 }
 
-/// The t with (edgeᵢ · Σ tⱼ edgeⱼ) = edgeᵢ · w, by elimination; none where it is not unique.
+/// Returns the t with (edgeᵢ · Σ tⱼ edgeⱼ) = edgeᵢ · w by elimination, or `None` if it is not
+/// unique.
 fn solve(edges: &[&Vector], w: &Vector) -> Option<Vec<RBig>> {
     let n = edges.len();
     let mut rows: Vec<Vec<RBig>> =
@@ -80,14 +83,14 @@ fn solve(edges: &[&Vector], w: &Vector) -> Option<Vec<RBig>> {
     Some((0..n).map(|k| rows[k][n].clone() / rows[k][k].clone()).collect())
 }
 
-/// The same core with another radius.
+/// Volumes that can be rebuilt with another radius.
 trait Resized: Round {
     fn resized(&self, radius: f64) -> Self;
 }
 
 impl Resized for BoundingSphere {
     fn resized(&self, radius: f64) -> Self {
-        Self::new(self.centre(), radius).unwrap()
+        Self::new(self.center(), radius).unwrap()
     }
 }
 
@@ -104,7 +107,7 @@ impl Resized for Lozenge {
     }
 }
 
-/// Numbers on a small grid, of a size and about an offset that all of a pair share.
+/// Size and offset shared by a pair, and whether numbers are on a grid and the pair touches.
 struct Draw {
     size: f64,
     offset: f64,
@@ -131,8 +134,8 @@ impl Draw {
     }
 
     fn sphere(&self, rng: &mut Rng) -> (BoundingSphere, Core) {
-        let (centre, radius) = (self.point(rng), self.radius(rng));
-        (BoundingSphere::new(centre, radius).unwrap(), Core { corner: exactly(centre), edges: vec![], radius })
+        let (center, radius) = (self.point(rng), self.radius(rng));
+        (BoundingSphere::new(center, radius).unwrap(), Core { corner: exactly(center), edges: vec![], radius })
     }
 
     fn capsule(&self, rng: &mut Rng) -> (Capsule, Core) {
@@ -145,7 +148,7 @@ impl Draw {
     fn lozenge(&self, rng: &mut Rng) -> (Lozenge, Core) {
         let (corner, radius) = (self.point(rng), self.radius(rng));
         let u = self.vector(rng);
-        // At right angles and of the same kind of numbers; now and then a segment or a point.
+        // At right angles to `u`, and of the same kind of numbers; sometimes a segment or a point.
         let v = match rng.integer(0, 5) {
             0 => [0.0; 3],
             1 => [-u[1], u[0], 0.0],
@@ -157,7 +160,7 @@ impl Draw {
     }
 }
 
-/// What the rounds of one pair of kinds came to.
+/// Counts of outcomes for one pair of kinds.
 #[derive(Debug, Default)]
 struct Tally {
     apart: usize,
@@ -169,7 +172,7 @@ struct Tally {
 impl Tally {
     fn check<A: Resized, B: Resized>(&mut self, (mut a, mut core_a): (A, Core), (b, core_b): (B, Core), draw: &Draw) {
         let squared = squared_distance(&core_a, &core_b);
-        // Half of the pairs touch, where the root of the square is a double, or as good as touch.
+        // Half of the pairs touch, exactly if the root of the square is a double, else nearly.
         let gap = squared.to_f64().value().sqrt() - core_b.radius;
         if draw.touch && gap >= 0.0 {
             core_a.radius = gap;
@@ -190,7 +193,7 @@ impl Tally {
                 assert!(!meets && !a.meets(&b));
                 self.apart += 1;
             }
-            Proximity::Meets => {
+            Proximity::Intersects => {
                 assert!(meets && a.meets(&b));
                 self.meets += 1;
             }
@@ -204,7 +207,7 @@ impl Tally {
 }
 
 #[test]
-fn the_interval_holds_the_distance_for_every_pair_of_kinds() {
+fn the_interval_contains_the_distance_for_every_pair_of_kinds() {
     let mut rng = Rng::new(61);
     let mut tally: [Tally; 6] = Default::default();
     for _ in 0..300 {
@@ -227,11 +230,11 @@ fn the_interval_holds_the_distance_for_every_pair_of_kinds() {
 }
 
 #[test]
-fn an_interpenetrating_pair_is_proved_to_meet() {
+fn an_interpenetrating_pair_is_proved_to_intersect() {
     let plate = Lozenge::new([0.0; 3], [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0]], 0.5).unwrap();
     let nail = Capsule::new([1.0, 1.0, -3.0], [1.5, 1.0, 3.0], 0.125).unwrap();
     assert_eq!(plate.distance(&nail), DistanceBounds { lower: 0.0, upper: 0.0 });
-    assert_eq!(nail.proximity(&plate), Proximity::Meets);
+    assert_eq!(nail.proximity(&plate), Proximity::Intersects);
     let across = Lozenge::new([2.0, 2.0, -1.0], [[0.0, 0.0, 2.0], [1.0, 1.0, 0.0]], 0.0).unwrap();
-    assert!(across.overlaps(&plate) && across.proximity(&plate) == Proximity::Meets);
+    assert!(across.overlaps(&plate) && across.proximity(&plate) == Proximity::Intersects);
 }

@@ -1,4 +1,4 @@
-//! The five quick constructions, and what spheres do.
+//! The five fast constructions of spheres, and overlap and containment of spheres.
 
 use impinge::volume::fit::{
     FittedSphere, box_sphere, mean_sphere, minimal_sphere, principal_sphere, refined_sphere, ritter_sphere,
@@ -9,11 +9,12 @@ use impinge_testkit::generate::Rng;
 use crate::volumes::exact::{Exact, point, rational};
 use crate::volumes::points::{KINDS, cloud};
 
-/// Every construction holds all points, brackets the least radius, and keeps its promise.
+/// Checks that every construction contains all points, brackets the minimal radius, and keeps its
+/// documented factor.
 #[test]
-fn every_construction_holds_all_points_and_knows_how_good_it_is() {
+fn every_construction_contains_all_points_within_its_factor() {
     type Construct = fn(&[[f64; 3]]) -> Result<FittedSphere, impinge::InputError>;
-    // The most by which a construction may exceed the least radius, where that is known.
+    // Each construction and the maximum ratio of its radius to the minimal one.
     let constructions: [(&str, Construct, f64); 5] = [
         ("mean", mean_sphere, 2.0),
         ("box", box_sphere, 1.7321),
@@ -31,15 +32,15 @@ fn every_construction_holds_all_points_and_knows_how_good_it_is() {
             let FittedSphere { sphere, lower } = construct(&points).unwrap();
             assert!(points.iter().all(|&p| sphere.holds(&point(p))), "{name}: {sphere:?}");
             assert!(lower <= least.sphere.radius(), "{name}: {lower} {least:?}");
-            // A centre far from the origin is rounded by more than the set is large, perhaps.
-            let slack = 1e-15 * sphere.centre().iter().fold(0.0_f64, |sum, x| sum + x.abs());
+            // A center far from the origin may be rounded by more than the size of the set.
+            let slack = 1e-15 * sphere.center().iter().fold(0.0_f64, |sum, x| sum + x.abs());
             assert!(sphere.radius() >= least.lower, "{name}");
             assert!(sphere.radius() <= factor * least.sphere.radius() + 4.0 * slack, "{name}: {sphere:?} {least:?}");
             exact += usize::from(sphere.radius() == least.sphere.radius());
         }
         assert!(refined_sphere(&points).unwrap().sphere.radius() <= ritter_sphere(&points).unwrap().sphere.radius());
     }
-    assert!((100..1100).contains(&exact), "{exact} of 1200 are as small as can be");
+    assert!((100..1100).contains(&exact), "{exact} of 1200 are minimal");
 }
 
 #[test]
@@ -49,11 +50,11 @@ fn overlap_and_containment_are_exact() {
     for round in 0..4000 {
         let scale = rng.choose(&[1.0, 1e-6, 1e6, 2_f64.powi(-300), 2_f64.powi(-530), 2_f64.powi(150)]);
         let offset = rng.choose(&[0.0, 0.0, 1e7]) * scale;
-        let centre =
+        let center =
             |rng: &mut Rng| -> [f64; 3] { std::array::from_fn(|_| offset + scale * rng.integer(-4, 4) as f64) };
-        let (p, q) = (centre(&mut rng), centre(&mut rng));
+        let (p, q) = (center(&mut rng), center(&mut rng));
         let r = scale * rng.integer(0, 4) as f64;
-        // The radius that touches, from inside or outside, and its neighbours; else any.
+        // The radius that touches from inside or outside, its neighboring floats, or any radius.
         let distance = (0..3).map(|k| (p[k] - q[k]) / scale).map(|x| x * x).sum::<f64>().sqrt() * scale;
         let touching = if round % 2 == 0 { (distance - r).abs() } else { (r - distance).max(0.0) };
         let s = match rng.integer(0, 3) {
@@ -78,5 +79,5 @@ fn overlap_and_containment_are_exact() {
         held += usize::from(inside);
         close += usize::from(truth != (between <= square((rational(r) + rational(s)) * rational(0.999_999))));
     }
-    assert!((1000..3000).contains(&met) && held > 100 && close > 200, "{met} meet, {held} held, {close} close");
+    assert!((1000..3000).contains(&met) && held > 100 && close > 200, "{met} overlap, {held} enclosed, {close} close");
 }

@@ -1,4 +1,5 @@
-//! Pairs of boxes beside brute force, over thousands of steps of churn.
+//! Pairs of boxes against brute force, over thousands of steps in which bodies are added, removed
+//! and moved.
 
 use std::collections::BTreeMap;
 
@@ -9,10 +10,10 @@ use impinge_testkit::generate::Rng;
 
 use super::BROAD_PHASES;
 
-/// A box as its corners.
+/// Box as its corners.
 type Corners = [[f64; 3]; 2];
 
-/// Every two boxes that overlap, compared one by one.
+/// Returns the overlapping pairs, compared one by one.
 fn brute_force(boxes: &BTreeMap<BodyId, Corners>) -> Vec<[BodyId; 2]> {
     let all: Vec<(&BodyId, &Corners)> = boxes.iter().collect();
     let mut pairs = Vec::new();
@@ -26,12 +27,13 @@ fn brute_force(boxes: &BTreeMap<BodyId, Corners>) -> Vec<[BodyId; 2]> {
     pairs
 }
 
-/// How bodies come, how large, and where they go.
+/// Parameters of a run: number of steps, maximum number of bodies, and distributions of sizes and
+/// places.
 struct Churn {
     steps: usize,
-    most: usize,
+    max_bodies: usize,
     size: fn(&mut Rng) -> f64,
-    place: fn(&mut Rng) -> f64,
+    random_pose: fn(&mut Rng) -> f64,
 }
 
 fn churned(broad_phase: BroadPhase, seed: u64, churn: &Churn) {
@@ -39,11 +41,11 @@ fn churned(broad_phase: BroadPhase, seed: u64, churn: &Churn) {
     let mut world = World::with_options(Options { broad_phase, narrow_phase: NarrowPhase::Boxes });
     let mut alive: Vec<BodyId> = Vec::new();
     let (mut met, mut gained) = (0, 0);
-    let place = |rng: &mut Rng| Pose::from_translation([0; 3].map(|_| (churn.place)(rng))).unwrap();
+    let random_pose = |rng: &mut Rng| Pose::from_translation([0; 3].map(|_| (churn.random_pose)(rng))).unwrap();
     for step in 0..churn.steps {
-        while alive.len() < churn.most && rng.one_in(2) {
+        while alive.len() < churn.max_bodies && rng.one_in(2) {
             let shape = Shape::cuboid([0; 3].map(|_| (churn.size)(&mut rng))).unwrap();
-            alive.push(world.insert(Body::new(shape).at(place(&mut rng))).unwrap());
+            alive.push(world.insert(Body::new(shape).at(random_pose(&mut rng))).unwrap());
         }
         while alive.len() > 2 && rng.one_in(6) {
             let gone = alive.swap_remove(rng.integer(0, alive.len() as i64 - 1) as usize);
@@ -53,12 +55,12 @@ fn churned(broad_phase: BroadPhase, seed: u64, churn: &Churn) {
         for _ in 0..rng.integer(0, alive.len() as i64 / 4) {
             let body = rng.choose(&alive);
             let pose = if rng.one_in(3) {
-                place(&mut rng)
+                random_pose(&mut rng)
             } else {
                 let from = *world.pose(body).unwrap().translation();
                 Pose::from_translation(from.map(|x| x + rng.uniform(-0.5, 0.5))).unwrap()
             };
-            // Some without a step's knowledge.
+            // Some are moved outside of a step.
             if rng.one_in(10) {
                 world.set_pose(body, pose).unwrap();
             } else {
@@ -73,8 +75,8 @@ fn churned(broad_phase: BroadPhase, seed: u64, churn: &Churn) {
         let expected = brute_force(&boxes.collect());
         let found: Vec<[BodyId; 2]> = world.pairs().map(|pair| [pair.key.a, pair.key.b]).collect();
         assert!(found == expected, "{broad_phase:?}, step {step}: {} pairs for {}", found.len(), expected.len());
-        // Places are used again, so that memory does not creep.
-        assert!(alive.iter().all(|body| body.to_bits() >> 32 <= churn.most as u64));
+        // Slots are reused, so that memory does not grow.
+        assert!(alive.iter().all(|body| body.to_bits() >> 32 <= churn.max_bodies as u64));
         met += expected.len();
     }
     assert!(met > churn.steps && gained > churn.steps / 4, "{broad_phase:?}: {met} pairs, {gained} gained");
@@ -83,8 +85,12 @@ fn churned(broad_phase: BroadPhase, seed: u64, churn: &Churn) {
 #[test]
 fn boxes_of_like_size_are_paired_as_by_brute_force() {
     for broad_phase in BROAD_PHASES {
-        let churn =
-            Churn { steps: 2000, most: 120, size: |rng| rng.uniform(0.25, 0.75), place: |rng| rng.uniform(-5.0, 5.0) };
+        let churn = Churn {
+            steps: 2000,
+            max_bodies: 120,
+            size: |rng| rng.uniform(0.25, 0.75),
+            random_pose: |rng| rng.uniform(-5.0, 5.0),
+        };
         churned(broad_phase, 81, &churn);
     }
 }
@@ -94,9 +100,9 @@ fn boxes_on_a_grid_that_touch_are_paired_as_by_brute_force() {
     for broad_phase in BROAD_PHASES {
         let churn = Churn {
             steps: 1000,
-            most: 60,
+            max_bodies: 60,
             size: |rng| rng.choose(&[0.0, 0.5, 0.5, 1.0]),
-            place: |rng| rng.integer(-4, 4) as f64,
+            random_pose: |rng| rng.integer(-4, 4) as f64,
         };
         churned(broad_phase, 82, &churn);
     }
@@ -107,9 +113,9 @@ fn boxes_of_any_size_are_paired_as_by_brute_force() {
     for broad_phase in BROAD_PHASES {
         let churn = Churn {
             steps: 1000,
-            most: 60,
+            max_bodies: 60,
             size: |rng| rng.choose(&[0.0, 1e-9, 1e-3, 1.0, 1e3, 1e9, 1e30]) * rng.unit(),
-            place: |rng| rng.choose(&[0.0, 1.0, 1e3, 1e6, 1e12, 1e36]) * rng.uniform(-1.0, 1.0),
+            random_pose: |rng| rng.choose(&[0.0, 1.0, 1e3, 1e6, 1e12, 1e36]) * rng.uniform(-1.0, 1.0),
         };
         churned(broad_phase, 83, &churn);
     }
@@ -118,7 +124,8 @@ fn boxes_of_any_size_are_paired_as_by_brute_force() {
 #[test]
 fn boxes_that_coincide_are_paired_as_by_brute_force() {
     for broad_phase in BROAD_PHASES {
-        let churn = Churn { steps: 100, most: 60, size: |_| 1.0, place: |rng| rng.choose(&[0.0, 0.0, 0.0, 5.0]) };
+        let churn =
+            Churn { steps: 100, max_bodies: 60, size: |_| 1.0, random_pose: |rng| rng.choose(&[0.0, 0.0, 0.0, 5.0]) };
         churned(broad_phase, 84, &churn);
     }
 }

@@ -1,4 +1,4 @@
-//! What is reported, and what is refused.
+//! Events that steps report, and errors.
 
 use std::collections::BTreeSet;
 
@@ -17,9 +17,10 @@ fn at(x: f64) -> Pose {
     Pose::from_translation([x, 0.0, 0.0]).unwrap()
 }
 
-/// Began less ended is what there is, over steps in which everything may happen.
+/// Checks over steps with every kind of change that the pairs that began, without those that ended,
+/// are the current pairs.
 #[test]
-fn events_balance() {
+fn events_add_up_to_the_current_pairs() {
     for broad_phase in BROAD_PHASES {
         let mut rng = Rng::new(91);
         let mut world = World::with_options(Options { broad_phase, narrow_phase: NarrowPhase::Intersections });
@@ -79,12 +80,12 @@ fn events_balance() {
 }
 
 #[test]
-fn what_stands_still_costs_nothing() {
+fn bodies_at_rest_cost_nothing() {
     let mut world = World::new();
     let bodies: Vec<BodyId> = (0..50).map(|i| world.insert(unit().at(at(0.9 * f64::from(i)))).unwrap()).collect();
     assert_eq!(world.step(&[]).unwrap().work.examined, 49);
     assert_eq!(world.step(&[]).unwrap().work.changed, 0);
-    // A pose that a body has already moves nothing.
+    // A pose that a body already has is no change.
     let again: Vec<(BodyId, Pose)> = bodies.iter().map(|&body| (body, *world.pose(body).unwrap())).collect();
     assert_eq!(world.step(&again).unwrap().work.changed, 0);
     let work = world.step(&[(bodies[3], at(2.8))]).unwrap().work;
@@ -93,7 +94,7 @@ fn what_stands_still_costs_nothing() {
 }
 
 #[test]
-fn of_two_poses_the_last_counts() {
+fn the_last_pose_of_a_step_counts() {
     let mut world = World::new();
     let body = world.insert(unit()).unwrap();
     world.step(&[(body, at(3.0)), (body, at(0.0)), (body, at(5.0))]).unwrap();
@@ -125,7 +126,7 @@ fn stale_handles_are_errors_everywhere() {
     assert_eq!(world.set_shape(body, &Shape::cuboid([1.0; 3]).unwrap()).unwrap_err(), stale);
     assert_eq!(world.refit(body, Positions::F32(Vec::new())).unwrap_err(), stale);
     assert_eq!(world.step(&[(next, at(9.0)), (body, at(1.0))]).unwrap_err(), stale);
-    assert_eq!(world.pose(next).unwrap(), &Pose::IDENTITY, "the step was refused as a whole");
+    assert_eq!(world.pose(next).unwrap(), &Pose::IDENTITY, "the step was rejected as a whole");
     assert_eq!(stale.to_string(), "body 0#1 is not in this world (any more)");
     for bits in [0, 1 << 32, u64::MAX, body.to_bits()] {
         assert!(world.pose(BodyId::from_bits(bits)).is_err());
@@ -137,7 +138,7 @@ fn stale_handles_are_errors_everywhere() {
 }
 
 #[test]
-fn a_bad_pose_names_the_body_and_loses_nothing() {
+fn an_invalid_pose_is_rejected_by_body_and_changes_nothing() {
     let mut world = World::new();
     let stretched = Pose::new([[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [0.0; 3]).unwrap();
     let ball = Body::new(Shape::sphere([0.0; 3], 0.5).unwrap());
@@ -158,14 +159,14 @@ fn a_bad_pose_names_the_body_and_loses_nothing() {
     assert_eq!(world.step(&[]).unwrap().work.changed, 0);
     assert_eq!(world.pairs().map(|pair| pair.key).collect::<Vec<_>>(), before);
     assert_eq!(world.pose(cube).unwrap(), &Pose::IDENTITY);
-    // A box may be stretched, and a wall put elsewhere but by a step.
+    // A box may be stretched, and a wall may be moved outside of a step.
     world.step(&[(cube, stretched)]).unwrap();
     world.set_pose(wall, at(1.5)).unwrap();
     assert_eq!(world.step(&[]).unwrap().began.len(), 2);
 }
 
 #[test]
-fn a_refused_refit_changes_nothing() {
+fn a_rejected_refit_changes_nothing() {
     let mut world = World::new();
     let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let mesh = Mesh::new(Positions::F32(corners.clone()), vec![[0, 1, 2]]).unwrap();
@@ -185,7 +186,7 @@ fn filters_decide_inside_the_broad_phase() {
     }
     world.set_filter(|a: (BodyId, &Traits), b: (BodyId, &Traits)| (a.1.tag + b.1.tag).is_multiple_of(2));
     let work = world.step(&[]).unwrap().work;
-    assert_eq!((work.candidates, work.examined), (20, 20), "what the filter refuses is no candidate");
+    assert_eq!((work.candidates, work.examined), (20, 20), "pairs that the filter rejects are no candidates");
     world.set_filter(|a: (BodyId, &Traits), b: (BodyId, &Traits)| a.1.tag == 0 || b.1.tag == 0);
     let events = world.step(&[]).unwrap();
     assert_eq!((events.began.len(), events.ended.len()), (5, 16));

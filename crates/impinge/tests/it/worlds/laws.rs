@@ -1,5 +1,5 @@
-//! Laws: that reports do not depend on threads, on the order in which bodies came, or on how pairs are found; and that a
-//! world goes back.
+//! Invariants: reports do not depend on threads, on the order of insertion, or on the broad phase;
+//! and a world can be restored.
 
 use impinge::shape::Shape;
 use impinge::world::{Body, BodyId, BroadPhase, Events, NarrowPhase, Options, World};
@@ -11,7 +11,7 @@ use super::{BROAD_PHASES, pose};
 
 const BODIES: u64 = 24;
 
-/// Bodies of the first `kinds` kinds, with tags of their own.
+/// Returns bodies of the first `kinds` kinds, each with its own tag.
 fn bodies(kinds: usize) -> Vec<Body> {
     let ball = icosphere(1);
     let mesh = Mesh::new(Positions::F64(ball.vertices), ball.faces).unwrap();
@@ -26,7 +26,7 @@ fn bodies(kinds: usize) -> Vec<Body> {
     (0..BODIES).map(|tag| shapes[tag as usize % kinds].clone().tag(tag).at(pose(&mut rng, 2.0))).collect()
 }
 
-/// The moves of a step, by tag.
+/// Returns the moves of a step, by tag.
 fn moves(step: u64) -> Vec<(u64, Pose)> {
     let mut rng = Rng::new(1000 + step);
     let mut moves = Vec::new();
@@ -38,26 +38,27 @@ fn moves(step: u64) -> Vec<(u64, Pose)> {
     moves
 }
 
-/// Everything that is reported over some steps, but for the handles.
-fn story(world: &mut World, ids: &[BodyId], steps: std::ops::Range<u64>) -> String {
-    let mut story = String::new();
+/// Returns everything that is reported over some steps, without handles.
+fn reports(world: &mut World, ids: &[BodyId], steps: std::ops::Range<u64>) -> String {
+    let mut reports = String::new();
     for step in steps {
         let moves: Vec<(BodyId, Pose)> = moves(step).into_iter().map(|(tag, pose)| (ids[tag as usize], pose)).collect();
         let Events { began, ended, work } = world.step(&moves).unwrap().clone();
         let tags =
             |keys: Vec<impinge::world::PairKey>| keys.iter().map(|key| [key.tag_a, key.tag_b]).collect::<Vec<_>>();
-        story += &format!("{:?} {:?} {work:?}\n", tags(began), tags(ended));
+        reports += &format!("{:?} {:?} {work:?}\n", tags(began), tags(ended));
         for pair in world.pairs() {
-            story += &format!("{} {} {:?} {:?}\n", pair.key.tag_a, pair.key.tag_b, pair.proximity, pair.manifolds);
+            reports += &format!("{} {} {:?} {:?}\n", pair.key.tag_a, pair.key.tag_b, pair.proximity, pair.manifolds);
         }
     }
-    story
+    reports
 }
 
-/// A world into which the bodies came in this order, and their handles by tag.
+/// Returns a world into which the bodies were inserted in the given order, and their handles by
+/// tag.
 fn world(options: Options, order: &[usize]) -> (World, Vec<BodyId>) {
     let mut world = World::with_options(options);
-    // The contacts of meshes and of curved shapes take long.
+    // Contacts of meshes and of curved shapes take long.
     let bodies = bodies(if options.narrow_phase == NarrowPhase::Contacts { 2 } else { 5 });
     let mut ids = vec![BodyId::from_bits(0); bodies.len()];
     for &at in order {
@@ -70,51 +71,53 @@ fn in_order() -> Vec<usize> {
     (0..BODIES as usize).collect()
 }
 
-/// Every broad phase with intersections, and one with contacts, which take longer.
+/// Returns the options and number of steps of each run: every broad phase with intersections, and
+/// one with contacts, which take longer.
 fn ways() -> impl Iterator<Item = (Options, u64)> {
     let intersections = |broad_phase| (Options { broad_phase, narrow_phase: NarrowPhase::Intersections }, 5);
     BROAD_PHASES.into_iter().map(intersections).chain([(Options::default(), 2)])
 }
 
 #[test]
-fn reports_do_not_depend_on_how_or_by_how_many_or_in_which_order() {
+fn reports_do_not_depend_on_broad_phase_threads_or_order() {
     let mut backwards = in_order();
     backwards.reverse();
     for (options, steps) in ways() {
         let (mut first, ids) = world(Options { broad_phase: BroadPhase::Every, ..options }, &in_order());
-        let expected = story(&mut first, &ids, 0..steps);
+        let expected = reports(&mut first, &ids, 0..steps);
         assert!(expected.lines().count() > 40, "{}", expected.lines().count());
         assert_eq!(expected.contains("upper"), options.narrow_phase == NarrowPhase::Contacts);
         for (order, threads) in [(in_order(), 2), (backwards.clone(), 1), (backwards.clone(), 5)] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let (mut world, ids) = world(options, &order);
-            let found = pool.install(|| story(&mut world, &ids, 0..steps));
+            let found = pool.install(|| reports(&mut world, &ids, 0..steps));
             assert!(found == expected, "{options:?}, {threads} threads");
         }
     }
 }
 
 #[test]
-fn a_world_goes_back_and_does_the_same_again() {
+fn a_restored_world_repeats_its_reports() {
     for (options, steps) in ways() {
         let (mut world, ids) = world(options, &in_order());
-        story(&mut world, &ids, 0..1);
+        reports(&mut world, &ids, 0..1);
         let saved = world.save();
-        let expected = story(&mut world, &ids, 1..steps);
-        // What comes between leaves no trace.
+        let expected = reports(&mut world, &ids, 1..steps);
+        // Changes in between have no effect.
         world.remove(ids[3]).unwrap();
         world.insert(Body::new(Shape::cuboid([9.0; 3]).unwrap())).unwrap();
         world.step(&[]).unwrap();
         world.restore(&saved);
-        assert_eq!(story(&mut world, &ids, 1..steps), expected);
-        // In another world, too.
+        assert_eq!(reports(&mut world, &ids, 1..steps), expected);
+        // The same in another world.
         let mut other = World::with_options(options);
         other.restore(&saved);
-        assert_eq!(story(&mut other, &ids, 1..steps), expected);
+        assert_eq!(reports(&mut other, &ids, 1..steps), expected);
     }
 }
 
-/// Answers do not change where everything is far away, by a power of two that leaves room for the digits.
+/// Checks that answers do not change far from the origin, at distances that keep the digits of
+/// coordinates.
 #[test]
 fn a_large_world_is_as_exact_as_a_small_one() {
     let unit = Body::new(Shape::cuboid([0.5; 3]).unwrap());

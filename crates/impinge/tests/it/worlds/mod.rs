@@ -1,4 +1,4 @@
-//! Worlds: that they find what is there, whatever came, went and moved, and in whatever way they look for it.
+//! Worlds: every broad phase finds all pairs, after any additions, removals and moves.
 
 mod boxes;
 mod events;
@@ -11,7 +11,7 @@ use impinge::Pose;
 use impinge::world::BroadPhase;
 use impinge_testkit::generate::{Rng, poses};
 
-/// Every way of finding pairs of boxes.
+/// All broad phases.
 const BROAD_PHASES: [BroadPhase; 7] = [
     BroadPhase::Auto,
     BroadPhase::Every,
@@ -22,7 +22,8 @@ const BROAD_PHASES: [BroadPhase; 7] = [
     BroadPhase::ThreeAxes,
 ];
 
-/// A rotation, and a translation within `reach`; one in four is on a grid, so that boxes touch.
+/// Returns a rotation and a translation within `reach`. One in four is on a grid, so that boxes
+/// touch.
 fn pose(rng: &mut Rng, reach: f64) -> Pose {
     if rng.one_in(4) {
         return Pose::from_translation([0; 3].map(|_| (rng.uniform(-reach, reach)).round())).unwrap();

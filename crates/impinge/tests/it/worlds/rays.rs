@@ -1,4 +1,4 @@
-//! Rays through worlds beside closed forms and beside all bodies asked in turn.
+//! Rays through worlds, against closed forms and against all bodies one by one.
 
 use std::sync::Arc;
 
@@ -14,9 +14,9 @@ use impinge_testkit::rounds;
 
 use super::{BROAD_PHASES, pose};
 
-/// Where a ray first meets a ball, by the quadratic.
-fn on_ball(ray: &Ray, centre: [f64; 3], radius: f64) -> Option<f64> {
-    let from: [f64; 3] = std::array::from_fn(|k| ray.origin()[k] - centre[k]);
+/// Returns the parameter at which a ray first hits a sphere, by the quadratic formula.
+fn on_sphere(ray: &Ray, center: [f64; 3], radius: f64) -> Option<f64> {
+    let from: [f64; 3] = std::array::from_fn(|k| ray.origin()[k] - center[k]);
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let (a, b, c) =
         (dot(ray.direction(), ray.direction()), dot(from, ray.direction()), dot(from, from) - radius * radius);
@@ -35,15 +35,15 @@ fn random_ray(rng: &mut Rng) -> Ray {
 }
 
 #[test]
-fn balls_are_met_where_the_closed_form_says() {
+fn rays_hit_spheres_as_in_closed_form() {
     for broad_phase in BROAD_PHASES {
         let mut rng = Rng::new(101);
         let mut world = World::with_options(Options { broad_phase, ..Options::default() });
         let balls: Vec<([f64; 3], f64)> =
             (0..40).map(|_| ([0; 3].map(|_| rng.uniform(-3.0, 3.0)), rng.uniform(0.1, 0.8))).collect();
-        for (tag, &(centre, radius)) in balls.iter().enumerate() {
+        for (tag, &(center, radius)) in balls.iter().enumerate() {
             let ball = Body::new(Shape::sphere([0.0; 3], radius).unwrap()).tag(tag as u64);
-            world.insert(ball.at(Pose::from_translation(centre).unwrap())).unwrap();
+            world.insert(ball.at(Pose::from_translation(center).unwrap())).unwrap();
         }
         let (mut hits, mut misses) = (0, 0);
         for _ in 0..500 {
@@ -51,7 +51,7 @@ fn balls_are_met_where_the_closed_form_says() {
             let mut expected: Vec<(f64, u64)> = balls
                 .iter()
                 .enumerate()
-                .filter_map(|(tag, &(centre, radius))| Some((on_ball(&ray, centre, radius)?, tag as u64)))
+                .filter_map(|(tag, &(center, radius))| Some((on_sphere(&ray, center, radius)?, tag as u64)))
                 .collect();
             expected.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
             let found = world.ray_cast_all(&ray, |_| true);
@@ -72,7 +72,7 @@ fn balls_are_met_where_the_closed_form_says() {
 }
 
 #[test]
-fn meshes_are_met_where_they_are() {
+fn rays_hit_meshes_between_their_inner_and_outer_spheres() {
     let ball = icosphere(3);
     let mesh = Mesh::new(Positions::F64(ball.vertices), ball.faces).unwrap();
     for solid in [false, true] {
@@ -89,10 +89,10 @@ fn meshes_are_met_where_they_are() {
         for _ in 0..600 {
             let ray = random_ray(&mut rng);
             let found = world.ray_cast_all(&ray, |_| true);
-            for (body, centre) in &bodies {
+            for (body, center) in &bodies {
                 let hit: Option<&BodyRayHit> = found.iter().find(|hit| hit.body == *body);
-                // The mesh lies between two balls.
-                let (inner, outer) = (on_ball(&ray, *centre, 0.98), on_ball(&ray, *centre, 1.0 + 1e-12));
+                // The mesh lies between two spheres.
+                let (inner, outer) = (on_sphere(&ray, *center, 0.98), on_sphere(&ray, *center, 1.0 + 1e-12));
                 if let Some(hit) = hit {
                     assert!(outer.is_some(), "{hit:?}");
                     let starts_inside = hit.t == 0.0;
@@ -111,7 +111,7 @@ fn meshes_are_met_where_they_are() {
 }
 
 #[test]
-fn a_floor_is_met_from_above() {
+fn rays_hit_a_floor_from_above() {
     let mut world = World::new();
     let floor = world.insert(Body::new(Shape::half_space([0.0, 0.0, 2.0], 2.0).unwrap())).unwrap();
     let down = Ray::new([3.0, 4.0, 5.0], [0.0, 0.0, -2.0], f64::INFINITY).unwrap();
@@ -125,7 +125,7 @@ fn a_floor_is_met_from_above() {
     assert!(world.ray_cast(&short, |_| true).is_none());
 }
 
-/// A rectangle in the plane of x and y, swept by a ball.
+/// Rectangle in the plane of x and y, swept by a sphere.
 #[derive(Debug)]
 struct RoundedPlate {
     half: [f64; 2],
@@ -133,7 +133,7 @@ struct RoundedPlate {
 }
 
 impl RoundedPlate {
-    /// How far a point is from the surface; negative inside.
+    /// Returns the signed distance of a point from the surface, which is negative inside.
     fn height(&self, [x, y, z]: [f64; 3]) -> f64 {
         let beyond = |x: f64, half: f64| (x.abs() - half).max(0.0);
         let (x, y) = (beyond(x, self.half[0]), beyond(y, self.half[1]));
@@ -156,7 +156,7 @@ impl Support for RoundedPlate {
 }
 
 #[test]
-fn sets_known_by_their_support_are_met_on_their_surface() {
+fn rays_hit_custom_shapes_on_their_surface() {
     let mut rng = Rng::new(103);
     let plate = Arc::new(RoundedPlate { half: [1.0, 0.5], radius: 0.25 });
     let mut world = World::new();
@@ -165,7 +165,7 @@ fn sets_known_by_their_support_are_met_on_their_surface() {
     for _ in 0..4_000 {
         let ray = random_ray(&mut rng);
         let at = |t: f64| -> [f64; 3] { std::array::from_fn(|k| ray.origin()[k] + t * ray.direction()[k]) };
-        // Heights along a ray are convex: the least lies between two thirds that are higher.
+        // Heights along a ray are convex, so ternary search finds the minimum.
         let (mut from, mut to) = (0.0, ray.reach().min(100.0));
         for _ in 0..200 {
             let [low, high] = [from + (to - from) / 3.0, to - (to - from) / 3.0];
@@ -186,11 +186,11 @@ fn sets_known_by_their_support_are_met_on_their_surface() {
         short = short.max(height);
     }
     assert!(hits > 200 && misses > 2_000, "{hits} hits, {misses} misses");
-    // A ray that grazes the plate is advanced by little at a time.
+    // A ray that grazes the plate advances in small steps.
     assert!(past < 1e-11 && short < 1e-8, "past by {past:e}, short by {short:e}");
 }
 
-/// A quarter turn and a shift by halves, which no float rounds.
+/// Returns a signed permutation of the axes and a shift by halves, which are exact in floats.
 fn exact_pose(rng: &mut Rng) -> Pose {
     let mut rows = [[0.0; 3]; 3];
     let (first, step) = (rng.integer(0, 2) as usize, rng.integer(1, 2) as usize);
@@ -201,7 +201,7 @@ fn exact_pose(rng: &mut Rng) -> Pose {
 }
 
 #[test]
-fn what_a_ray_touches_in_a_corner_or_an_edge_is_met_and_what_it_passes_is_not() {
+fn rays_through_corners_and_edges_hit_and_rays_beside_them_miss() {
     let mut rng = Rng::new(104);
     let cross =
         [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
@@ -223,7 +223,7 @@ fn what_a_ray_touches_in_a_corner_or_an_edge_is_met_and_what_it_passes_is_not() 
             })
         };
         let [p, q] = [0; 2].map(|_| placed(&corners[rng.integer(0, corners.len() as i64 - 1) as usize]));
-        // A corner, or the middle between two, which is on an edge or within.
+        // A corner, or the middle between two corners, which is on an edge or inside.
         let target: [f64; 3] = std::array::from_fn(|k| 0.5 * (p[k] + q[k]));
         let direction = [0; 3].map(|_| rng.integer(-3, 3) as f64);
         if direction == [0.0; 3] {
@@ -241,7 +241,7 @@ fn what_a_ray_touches_in_a_corner_or_an_edge_is_met_and_what_it_passes_is_not() 
             );
         }
         touched += 1;
-        // The line through a corner of the greatest height along what is across to it, moved outward by next to nothing.
+        // The line through an extreme corner, moved outward by almost nothing.
         let across = [direction[1], -direction[0], 0.0];
         let height = |point: &[f64; 3]| (0..3).map(|k| point[k] * across[k]).sum::<f64>();
         if across != [0.0; 3] && corners.iter().all(|corner| height(&placed(corner)) <= height(&target)) {
@@ -255,7 +255,7 @@ fn what_a_ray_touches_in_a_corner_or_an_edge_is_met_and_what_it_passes_is_not() 
 }
 
 #[test]
-fn what_is_grazed_is_met_where_the_ray_is_nearest() {
+fn grazing_rays_hit_at_their_nearest_point() {
     let mut rng = Rng::new(105);
     let shapes = [
         Shape::sphere([0.0; 3], 0.5).unwrap(),
@@ -264,7 +264,7 @@ fn what_is_grazed_is_met_where_the_ray_is_nearest() {
     ];
     for round in 0..rounds(1_200) {
         let (shape, pose) = (&shapes[round % 3], exact_pose(&mut rng));
-        // A point at x = 1/2 on the surface, and a direction in the plane that touches there, not along the axis.
+        // A point at x = 1/2 on the surface, and a tangent direction that is not along the axis.
         let touched = [0.5, 0.0, if round % 3 == 0 { 0.0 } else { 0.75 }];
         let along = [0.0, rng.integer(1, 3) as f64, rng.integer(-3, 3) as f64];
         let turned = |v: [f64; 3]| -> [f64; 3] {

@@ -1,23 +1,23 @@
-//! Records: that a world made of one is the world that was recorded, whatever has not been told yet; and that what
-//! contradicts itself is refused.
+//! Records of worlds: a world made of a record continues as the recorded one, also with changes
+//! that no step has reported yet. Inconsistent records are rejected.
 
 use impinge::Pose;
 use impinge::query::Proximity;
 use impinge::shape::Shape;
-use impinge::world::{Body, BodyId, Change, Kind, NarrowPhase, Options, Record, RecordFlaw, Snapshot, Traits, World};
+use impinge::world::{Body, BodyId, Change, Kind, NarrowPhase, Options, Record, RecordError, Snapshot, Traits, World};
 use impinge_testkit::generate::Rng;
 
 use super::{BROAD_PHASES, pose};
 
-/// A world in whose bodies something is always changed that no step has told of.
-struct Storm {
+/// World with random changes that no step has reported yet.
+struct ChangingWorld {
     world: World,
     ids: Vec<BodyId>,
     rng: Rng,
     shapes: Vec<Body>,
 }
 
-impl Storm {
+impl ChangingWorld {
     fn new(options: Options, seed: u64) -> Self {
         let shapes = [
             Shape::cuboid([0.6, 0.5, 0.4]).unwrap(),
@@ -29,7 +29,7 @@ impl Storm {
         Self { world: World::with_options(options), ids: Vec::new(), rng: Rng::new(seed), shapes }
     }
 
-    /// Anything that may be done between two steps.
+    /// Makes a random change between two steps.
     fn change(&mut self) {
         let Self { world, ids, rng, shapes } = self;
         match rng.integer(0, 5) {
@@ -67,46 +67,47 @@ impl Storm {
     }
 }
 
-/// Everything that a world says of its pairs.
-fn said(world: &World) -> String {
+/// Returns a description of all pairs of a world.
+fn described_pairs(world: &World) -> String {
     world.pairs().map(|pair| format!("{pair:?}\n")).collect()
 }
 
 #[test]
-fn a_world_of_a_record_goes_on_as_the_one_that_was_recorded() {
+fn a_world_of_a_record_continues_as_the_recorded_one() {
     let intersections = |broad_phase| Options { broad_phase, narrow_phase: NarrowPhase::Intersections };
     let ways = BROAD_PHASES.map(intersections).into_iter().chain([Options::default()]);
     let (mut pending, mut departed, mut met) = (0, 0, 0);
     for (seed, options) in ways.enumerate() {
-        let mut storm = Storm::new(options, seed as u64);
-        (0..40).for_each(|_| storm.change());
+        let mut changing = ChangingWorld::new(options, seed as u64);
+        (0..40).for_each(|_| changing.change());
         for _ in 0..12 {
-            let moves = storm.moves();
-            storm.world.step(&moves).unwrap();
-            (0..6).for_each(|_| storm.change());
-            let record = storm.world.save().to_record();
+            let moves = changing.moves();
+            changing.world.step(&moves).unwrap();
+            (0..6).for_each(|_| changing.change());
+            let record = changing.world.save().to_record();
             pending += record.bodies.iter().filter(|body| body.change != Change::No).count();
             departed += record.departed.len();
             met += record.pairs.iter().filter(|pair| pair.meeting.is_some()).count();
             let mut other = World::with_options(options);
             other.restore(&Snapshot::from_record(&record, &options).unwrap());
-            assert_eq!(said(&other), said(&storm.world));
-            assert!(other.bodies().eq(storm.world.bodies()));
-            // The record of the record is the same, and so is all that comes after it, the work included.
+            assert_eq!(described_pairs(&other), described_pairs(&changing.world));
+            assert!(other.bodies().eq(changing.world.bodies()));
+            // Recording again gives the same record, and the next step gives the same events and
+            // work.
             assert_eq!(format!("{:?}", other.save().to_record()), format!("{record:?}"));
-            let moves = storm.moves();
-            assert_eq!(other.step(&moves).unwrap(), storm.world.step(&moves).unwrap());
-            assert_eq!(said(&other), said(&storm.world));
-            let next = storm.shapes[0].clone();
-            assert_eq!(other.insert(next.clone()), storm.world.insert(next), "the same handle");
-            storm.ids.push(storm.world.bodies().last().unwrap());
-            storm.ids = storm.world.bodies().collect();
+            let moves = changing.moves();
+            assert_eq!(other.step(&moves).unwrap(), changing.world.step(&moves).unwrap());
+            assert_eq!(described_pairs(&other), described_pairs(&changing.world));
+            let next = changing.shapes[0].clone();
+            assert_eq!(other.insert(next.clone()), changing.world.insert(next), "the same handle");
+            changing.ids.push(changing.world.bodies().last().unwrap());
+            changing.ids = changing.world.bodies().collect();
         }
     }
     assert!(pending > 300 && departed > 50 && met > 1000, "{pending} changes, {departed} gone, {met} pairs");
 }
 
-/// A record of two balls that meet, and one that is gone.
+/// Returns a record of two overlapping spheres, and one that was removed.
 fn record() -> Record {
     let ball = Body::new(Shape::sphere([0.0; 3], 1.0).unwrap());
     let mut world = World::new();
@@ -119,7 +120,7 @@ fn record() -> Record {
 }
 
 #[test]
-fn what_contradicts_itself_is_refused() {
+fn inconsistent_records_are_rejected() {
     let flaw = |spoil: &dyn Fn(&mut Record)| {
         let mut record = record();
         spoil(&mut record);
@@ -138,7 +139,7 @@ fn what_contradicts_itself_is_refused() {
         &|record| record.bodies[1].id = record.bodies[0].id,
     ];
     for spoil in places {
-        assert_eq!(flaw(spoil), Some(RecordFlaw::Places));
+        assert_eq!(flaw(spoil), Some(RecordError::Places));
     }
     let pairs: [&dyn Fn(&mut Record); 4] = [
         &|record| record.pairs[0].bodies[0] = BodyId::from_bits(0),
@@ -147,7 +148,7 @@ fn what_contradicts_itself_is_refused() {
         &|record| record.pairs.insert(0, record.pairs[0].clone()),
     ];
     for (spoil, row) in pairs.into_iter().zip([0, 0, 0, 1]) {
-        assert_eq!(flaw(spoil), Some(RecordFlaw::Pair { row }));
+        assert_eq!(flaw(spoil), Some(RecordError::Pair { row }));
     }
     let meetings: [&dyn Fn(&mut Record); 3] = [
         &|record| record.pairs[0].meeting.as_mut().unwrap().0 = Proximity::Apart,
@@ -155,15 +156,15 @@ fn what_contradicts_itself_is_refused() {
         &|record| record.pairs[0].meeting.as_mut().unwrap().1[0].points[0].lower = f64::NAN,
     ];
     for spoil in meetings {
-        assert_eq!(flaw(spoil), Some(RecordFlaw::Contact { row: 0 }));
+        assert_eq!(flaw(spoil), Some(RecordError::Contact { row: 0 }));
     }
     let stretched = Pose::new([[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [0.0; 3]).unwrap();
     let refused = flaw(&|record| record.bodies[0].body = record.bodies[0].body.clone().at(stretched));
-    assert!(matches!(refused, Some(RecordFlaw::Input { .. })), "{refused:?}");
+    assert!(matches!(refused, Some(RecordError::Input { .. })), "{refused:?}");
 }
 
 #[test]
-fn a_place_whose_handles_are_spent_stays_so() {
+fn a_slot_without_unused_handles_stays_unused() {
     let mut spent = record();
     spent.generations[0] = u32::MAX;
     spent.free.clear();

@@ -1,4 +1,5 @@
-//! Worlds of shapes and meshes beside the questions one by one, and what queries find beside all bodies asked in turn.
+//! Worlds of shapes and meshes against single queries, and world queries against all bodies one by
+//! one.
 
 use std::sync::Arc;
 
@@ -31,9 +32,10 @@ fn every_shape() -> Vec<Shape> {
     ]
 }
 
-/// A step takes over of a pose what it changes of a shape, where another place of the code makes the shape anew.
+/// Checks that a step updates a moved shape as placing the shape anew does. The two are separate
+/// code.
 #[test]
-fn a_body_that_a_step_moved_is_where_one_that_was_put_there_is() {
+fn a_body_moved_by_a_step_equals_one_placed_there() {
     let mut rng = Rng::new(64);
     let (mut refused, mut taken, mut boxes) = (0, 0, 0);
     let mesh = knot();
@@ -61,7 +63,7 @@ fn a_body_that_a_step_moved_is_where_one_that_was_put_there_is() {
             assert_eq!(world.pose(id).unwrap(), &to);
         }
     }
-    assert!(refused > 40 && taken > 400 && boxes > 400, "{refused} refused, {taken} taken, {boxes} in boxes");
+    assert!(refused > 40 && taken > 400 && boxes > 400, "{refused} rejected, {taken} moved, {boxes} in boxes");
 }
 
 fn dumbbell() -> Shape {
@@ -71,9 +73,10 @@ fn dumbbell() -> Shape {
         .unwrap()
 }
 
-/// Boxes hold what they are about, in every way of realigning them: no pair is missed that the shapes make.
+/// Checks for every method of realigning that boxes contain their shapes: no intersecting pair is
+/// missed.
 #[test]
-fn shapes_meet_as_they_do_one_by_one() {
+fn pairs_of_shapes_agree_with_single_queries() {
     let ways = [Realignment::Own, Realignment::Rotated, Realignment::Loose, Realignment::Hull, Realignment::Climbing];
     for broad_phase in [BroadPhase::Tree, BroadPhase::Columns] {
         for way in ways {
@@ -115,10 +118,10 @@ fn shapes_meet_as_they_do_one_by_one() {
 }
 
 #[test]
-fn contacts_are_those_of_the_shapes() {
+fn contacts_agree_with_single_queries() {
     let mut rng = Rng::new(65);
     let mut world = World::new();
-    // Those whose contacts do not take long: spheres, capsules and boxes.
+    // Shapes whose contacts are fast: spheres, capsules and boxes.
     let shapes: Vec<Shape> = every_shape().into_iter().take(3).chain([dumbbell()]).cycle().take(24).collect();
     let ids: Vec<BodyId> =
         shapes.iter().map(|shape| world.insert(Body::new(shape.clone()).at(pose(&mut rng, 1.5))).unwrap()).collect();
@@ -142,7 +145,7 @@ fn knot() -> Mesh {
 }
 
 #[test]
-fn meshes_meet_as_they_do_one_by_one() {
+fn pairs_of_meshes_agree_with_single_queries() {
     let mesh = knot();
     for (solid, way) in [(false, Realignment::Own), (true, Realignment::Climbing)] {
         let mut rng = Rng::new(63);
@@ -172,7 +175,7 @@ fn meshes_meet_as_they_do_one_by_one() {
 }
 
 #[test]
-fn queries_find_what_asking_each_body_finds() {
+fn world_queries_agree_with_queries_of_each_body() {
     for broad_phase in BROAD_PHASES {
         let mut rng = Rng::new(64);
         let mut world = World::with_options(Options { broad_phase, ..Options::default() });
@@ -222,7 +225,7 @@ fn queries_find_what_asking_each_body_finds() {
 }
 
 #[test]
-fn an_empty_mesh_meets_nothing() {
+fn an_empty_mesh_has_no_pairs() {
     let mut world = World::new();
     let empty =
         world.insert(Body::new(Shape::mesh(&Mesh::new(Positions::F32(Vec::new()), Vec::new()).unwrap()))).unwrap();

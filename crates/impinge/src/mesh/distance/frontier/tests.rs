@@ -70,7 +70,7 @@ fn next(rng: &mut Rng, pose: &Affine) -> Affine {
 }
 
 #[test]
-fn where_a_search_ended_changes_no_answer() {
+fn resuming_at_a_frontier_changes_no_answer() {
     let (mut followed, mut intersecting, mut apart) = (0, 0, 0);
     for (scene, (a, b, at)) in scenes().into_iter().enumerate() {
         for (name, level) in levels() {
@@ -121,7 +121,7 @@ fn where_a_search_ended_changes_no_answer() {
 }
 
 #[test]
-fn what_has_come_to_cross_meets() {
+fn triangles_that_come_to_cross_intersect() {
     // The tip of a spike goes through a plate far from the plate's edges, so no edge of one mesh is
     // near an edge of the other.
     let plate: [[f64; 3]; 3] = [[-8.0, -8.0, 0.0], [8.0, -8.0, 0.0], [0.0, 9.0, 0.0]];
@@ -143,7 +143,7 @@ fn what_has_come_to_cross_meets() {
 }
 
 #[test]
-fn n20_boxes_too_far_for_squares_are_not_forgotten() {
+fn boxes_too_far_for_squares_are_kept() {
     // In the unit of a cube of size 2^-70, two plates are so far away that squares in single
     // precision overflow.
     let speck = mesh(&solids::cuboid([-1.0; 3], [1.0; 3]));
@@ -234,7 +234,7 @@ fn every_pair_of_faces_is_below_one_bound_and_no_nearer() {
 }
 
 #[test]
-fn a_front_has_an_end_and_the_answers_go_on() {
+fn a_full_frontier_changes_no_answer() {
     let thick = mesh(&torus_knot(560, 140, TREFOIL));
     let thin = mesh(&torus_knot(560, 140, Knot { radius: 0.2, ..TREFOIL }));
     let (options, mut warm_start) = (Options::default(), WarmStart::default());

@@ -4,7 +4,7 @@
 //! A pair of leaves has five candidates on average, from three triangles on either side. A vector
 //! per pair of leaves would be half full. Each candidate is relative to the local origin of its own
 //! host leaf, in the orientation and scale of the host's packed frame, with the error of its own
-//! two leaves. So its neighbors in the vector do not matter (docs/proof.md, L4).
+//! two leaves. So its neighbors in the vector do not matter (docs/notes/proof.md, L4).
 //!
 //! Guarded by `other_candidates_of_a_batch_change_no_verdict` in the tests of the filter, and by
 //! the benchmark `headline`.

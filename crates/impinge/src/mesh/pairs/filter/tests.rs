@@ -129,12 +129,12 @@ fn corners_and_bounds_are_within_their_error() {
             (0..count).map(|lane| guest.corners(lane).map(|c| packed_exactly(&host, &guest.pose, &c))).collect();
         for (name, level) in levels() {
             let mut taken = Guest::EMPTY;
-            let anchor = host.packet().anchor;
+            let local_origin = host.packet().local_origin;
             let mut moved = [[[0.0_f32; LANES]; 3]; 3];
             dispatch!(level, simd => {
                 taken.set_packet(simd, &guest.packet(), &relation, &back);
                 let offset: Lanes3<_> = by_axis!(axis => {
-                    f32x8::splat(simd, (taken.local_origin[axis] - anchor[axis]) as f32)
+                    f32x8::splat(simd, (taken.local_origin[axis] - local_origin[axis]) as f32)
                 });
                 for corner in 0..3 {
                     for axis in 0..3 {
@@ -144,7 +144,7 @@ fn corners_and_bounds_are_within_their_error() {
                 }
             });
             let radii = host.packet().radius + guest.packet().radius * relation.stretch as f32;
-            let near = (0..3).all(|axis| (taken.local_origin[axis] - anchor[axis]).abs() < f64::from(radii));
+            let near = (0..3).all(|axis| (taken.local_origin[axis] - local_origin[axis]).abs() < f64::from(radii));
             near_corners += usize::from(near);
             for (lane, corners) in exact_guest.iter().enumerate() {
                 for (corner, point) in corners.iter().enumerate() {
@@ -156,8 +156,9 @@ fn corners_and_bounds_are_within_their_error() {
                         if !near {
                             continue;
                         }
-                        let off =
-                            truth - RBig::try_from(anchor[axis]).expect("finite") - rational(moved[corner][axis][lane]);
+                        let off = truth
+                            - RBig::try_from(local_origin[axis]).expect("finite")
+                            - rational(moved[corner][axis][lane]);
                         let off = f64::from(off.to_f32_fast()).abs();
                         // The host's corners have one rounding here, a quarter of what the bound
                         // allows for them.

@@ -11,8 +11,8 @@
 //! `plane` has the planes and `tree` the tree with its point queries. `across` finds planes across
 //! an axis for `build`, and `cast` follows rays.
 //!
-//! Proof: docs/proof.md, L32. Guarded by `tests/it/solids/bsp.rs` and by the benchmark `solid_bsp`
-//! of `impinge-bench`.
+//! Proof: docs/notes/proof.md, L32. Guarded by `tests/it/solids/bsp.rs` and by the benchmark
+//! `solid_bsp` of `impinge-bench`.
 
 mod across;
 mod build;

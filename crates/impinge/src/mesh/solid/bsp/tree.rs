@@ -8,7 +8,7 @@ use crate::exact::{PosedPoint, Spot, WidePlane};
 use crate::input::InputError;
 use crate::math::Sign;
 use crate::mesh::Mesh;
-use crate::mesh::solid::winding::{Containment, Judge};
+use crate::mesh::solid::winding::{Containment, PointClassifier};
 
 /// A binary tree of planes that divides space around a mesh into disjoint convex cells.
 ///
@@ -20,10 +20,9 @@ use crate::mesh::solid::winding::{Containment, Judge};
 /// use impinge::mesh::{Containment, SolidBsp};
 /// use impinge::{Mesh, Positions};
 ///
-/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-/// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
-/// let tree = SolidBsp::build(&mesh);
-/// assert_eq!(tree.contains([0.1; 3])?, Containment::Inside);
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]; let mesh
+/// = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?; let
+/// tree = SolidBsp::build(&mesh); assert_eq!(tree.contains([0.1; 3])?, Containment::Inside);
 /// assert_eq!(tree.contains([0.5, 0.5, 0.0])?, Containment::Surface);
 /// assert_eq!(tree.contains([0.5; 3])?, Containment::Outside);
 /// # Ok::<(), impinge::InputError>(())
@@ -83,11 +82,11 @@ impl SolidBsp {
     /// Returns an error if a coordinate is not finite, or above 2^300 in magnitude.
     ///
     /// # Accuracy
-    /// Exact for closed meshes (docs/proof.md, L32). Around an open mesh the winding number is not
-    /// constant in a cell, so it is computed for each point.
+    /// Exact for closed meshes (docs/notes/proof.md, L32). Around an open mesh the winding number
+    /// is not constant in a cell, so it is computed for each point.
     pub fn contains(&self, point: [f64; 3]) -> Result<Containment, InputError> {
-        InputError::judge_row(&point, "point", 0)?;
-        let ask = || Judge::new(&self.mesh).containment(&PosedPoint::local(Spot::At(point)));
+        InputError::validate_row(&point, "point", 0)?;
+        let ask = || PointClassifier::new(&self.mesh).containment(&PosedPoint::local(Spot::At(point)));
         if !self.is_closed {
             return Ok(ask());
         }

@@ -10,7 +10,7 @@ use crate::math::vec3::{add, cross, dot, scale, squared_distance, sub};
 /// A center and the points that the sphere passes through.
 #[derive(Clone, Debug)]
 pub(super) struct Approximation {
-    pub(super) centre: [f64; 3],
+    pub(super) center: [f64; 3],
     /// At most four indices of points.
     pub(super) support: Vec<usize>,
 }
@@ -22,10 +22,10 @@ pub(super) fn minimal(points: &[[f64; 3]]) -> Approximation {
     /// exact steps take over.
     const MAX_STEPS: usize = 100;
     let (start, _) = most_distant(points, points[0]);
-    let mut best = Approximation { centre: points[start], support: vec![start] };
+    let mut best = Approximation { center: points[start], support: vec![start] };
     let mut squared_radius = 0.0;
     for _ in 0..MAX_STEPS {
-        let (furthest, square) = most_distant(points, best.centre);
+        let (furthest, square) = most_distant(points, best.center);
         if square <= squared_radius * (1.0 + f64::EPSILON) || best.support.contains(&furthest) {
             break;
         }
@@ -41,7 +41,7 @@ pub(super) fn minimal(points: &[[f64; 3]]) -> Approximation {
 }
 
 /// Returns the index of the point that is most distant from a center, and its squared distance.
-fn most_distant(points: &[[f64; 3]], centre: [f64; 3]) -> (usize, f64) {
+fn most_distant(points: &[[f64; 3]], center: [f64; 3]) -> (usize, f64) {
     const LANES: usize = 8;
     // The search is by lanes, so that vector units help. The index is then looked up in the group
     // with the largest distance.
@@ -51,12 +51,12 @@ fn most_distant(points: &[[f64; 3]], centre: [f64; 3]) -> (usize, f64) {
         let (eights, rest) = chunk.as_chunks::<LANES>();
         for eight in eights {
             for (lane, &point) in lanes.iter_mut().zip(eight) {
-                let square = squared_distance(&point, &centre);
+                let square = squared_distance(&point, &center);
                 *lane = if square > *lane { square } else { *lane };
             }
         }
         for (lane, &point) in lanes.iter_mut().zip(rest) {
-            let square = squared_distance(&point, &centre);
+            let square = squared_distance(&point, &center);
             *lane = if square > *lane { square } else { *lane };
         }
         let greatest = lanes.into_iter().fold(-1.0, f64::max);
@@ -65,7 +65,7 @@ fn most_distant(points: &[[f64; 3]], centre: [f64; 3]) -> (usize, f64) {
         }
     }
     let from = best.0 * LANES * 16;
-    let within = points[from..].iter().position(|&point| squared_distance(&point, &centre) == best.1);
+    let within = points[from..].iter().position(|&point| squared_distance(&point, &center) == best.1);
     (from + within.unwrap_or(0), best.1)
 }
 
@@ -73,17 +73,17 @@ fn most_distant(points: &[[f64; 3]], centre: [f64; 3]) -> (usize, f64) {
 /// has the smallest maximum distance to all of them. Also returns that distance, squared.
 fn best_subset(points: &[[f64; 3]], from: &[usize]) -> (Approximation, f64) {
     let (&last, others) = from.split_last().unwrap_or((&0, &[]));
-    let mut best = (Approximation { centre: points[last], support: vec![last] }, f64::INFINITY);
+    let mut best = (Approximation { center: points[last], support: vec![last] }, f64::INFINITY);
     for subset in 0_u32..1 << others.len() {
         if subset.count_ones() > 3 {
             continue;
         }
         let chosen = others.iter().enumerate().filter(|(i, _)| subset >> i & 1 == 1).map(|(_, &index)| index);
         let support: Vec<usize> = std::iter::once(last).chain(chosen).collect();
-        let Some(centre) = circumcentre(points, &support) else { continue };
-        let reach = from.iter().map(|&i| squared_distance(&points[i], &centre)).fold(0.0, f64::max);
+        let Some(center) = circumcenter(points, &support) else { continue };
+        let reach = from.iter().map(|&i| squared_distance(&points[i], &center)).fold(0.0, f64::max);
         if reach < best.1 {
-            best = (Approximation { centre, support }, reach);
+            best = (Approximation { center, support }, reach);
         }
     }
     best
@@ -91,7 +91,7 @@ fn best_subset(points: &[[f64; 3]], from: &[usize]) -> (Approximation, f64) {
 
 /// Returns the center of the smallest sphere through one to four points, or `None` if they are
 /// affinely dependent.
-fn circumcentre(points: &[[f64; 3]], support: &[usize]) -> Option<[f64; 3]> {
+fn circumcenter(points: &[[f64; 3]], support: &[usize]) -> Option<[f64; 3]> {
     let origin = points[support[0]];
     let edge = |k: usize| sub(&points[support[k]], &origin);
     let offset = match support.len() {

@@ -16,7 +16,7 @@ use crate::volume::points::{Coordinate, bounds, validated_bounds, widen};
 
 /// The points at or beyond a distance from a center. The distance is in the scale of a frame.
 pub(super) struct Candidates {
-    centre: [f64; 3],
+    center: [f64; 3],
     distance: f64,
     pub(super) points: Vec<[f64; 3]>,
 }
@@ -46,7 +46,7 @@ pub(super) fn first_candidates<T: Coordinate>(points: &[[T; 3]]) -> Result<(MinM
     // Converts from the scale of the sample to that of all points, which is not larger. Both are
     // powers of two.
     let distance = guess.square.sqrt() * (Frame::of(&whole).scale / guess.scale);
-    Ok((whole, Some(Candidates { centre: guess.centre, distance, points: kept })))
+    Ok((whole, Some(Candidates { center: guess.center, distance, points: kept })))
 }
 
 /// Number of points per parallel task: small enough to stay in the cache for a second pass, large
@@ -57,9 +57,9 @@ impl Candidates {
     /// Returns the next candidates, around the sphere of the last ones.
     pub(super) fn next<T: Coordinate>(&self, points: &[[T; 3]], sphere: &ExactSphere, frame: Frame) -> Self {
         let guess =
-            Guess { centre: sphere.centre(), square: next_square(&self.points, sphere, frame), scale: frame.scale };
+            Guess { center: sphere.center(), square: next_square(&self.points, sphere, frame), scale: frame.scale };
         let kept: Vec<Vec<[f64; 3]>> = points.par_chunks(CHUNK).map(|chunk| guess.beyond(chunk)).collect();
-        Self { centre: guess.centre, distance: guess.square.sqrt(), points: kept.concat() }
+        Self { center: guess.center, distance: guess.square.sqrt(), points: kept.concat() }
     }
 
     /// Reports whether every point nearer to the center is proved to be strictly inside the sphere,
@@ -68,8 +68,8 @@ impl Candidates {
         const STRICTLY: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
         // Differences and the scale have the same error as those of points, a few half units. The
         // following steps add a few more. `STRICTLY` covers all of them.
-        let moved = length_up(scaled_offset(sphere.centre(), self.centre, frame.scale));
-        let far = add_up(add_up(moved, sphere.centre_error()), self.distance * (1.0 + 2.0 * SQUARE_ERROR));
+        let moved = length_up(scaled_offset(sphere.center(), self.center, frame.scale));
+        let far = add_up(add_up(moved, sphere.center_error()), self.distance * (1.0 + 2.0 * SQUARE_ERROR));
         far <= sphere.radius_down() * frame.scale * STRICTLY
     }
 }
@@ -79,8 +79,8 @@ impl Candidates {
 /// sphere may use up.
 fn next_square(candidates: &[[f64; 3]], sphere: &ExactSphere, frame: Frame) -> f64 {
     const MARGIN: f64 = 1.0 - 1.0 / (1 << 20) as f64;
-    let centre = sphere.centre();
-    let mut squares: Vec<f64> = candidates.iter().map(|&point| frame.squared_distance(point, centre)).collect();
+    let center = sphere.center();
+    let mut squares: Vec<f64> = candidates.iter().map(|&point| frame.squared_distance(point, center)).collect();
     let middle = squares.len() / 2;
     let (_, &mut median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
     let inside = sphere.radius_down() * frame.scale * MARGIN;
@@ -90,7 +90,7 @@ fn next_square(candidates: &[[f64; 3]], sphere: &ExactSphere, frame: Frame) -> f
 /// A guess of the sphere: a center, and the square of a distance from it within which nearly all
 /// points are. The scale is a power of two.
 struct Guess {
-    centre: [f64; 3],
+    center: [f64; 3],
     square: f64,
     scale: f64,
 }
@@ -105,11 +105,11 @@ impl Guess {
         let bounds = bounds(&sample).filter(|bounds| bounds.min() != bounds.max())?;
         let frame = Frame::of(&bounds);
         let local: Vec<[f64; 3]> = sample.iter().map(|&point| frame.local(point)).collect();
-        let centre = approximate::minimal(&local).centre;
-        let centre = std::array::from_fn(|axis| frame.origin[axis] + centre[axis] / frame.scale);
-        let mut squares: Vec<f64> = sample.iter().map(|&point| frame.squared_distance(point, centre)).collect();
+        let center = approximate::minimal(&local).center;
+        let center = std::array::from_fn(|axis| frame.origin[axis] + center[axis] / frame.scale);
+        let mut squares: Vec<f64> = sample.iter().map(|&point| frame.squared_distance(point, center)).collect();
         let (_, &mut square, _) = squares.select_nth_unstable_by(SAMPLE - KEPT, f64::total_cmp);
-        Some(Self { centre, square, scale: frame.scale })
+        Some(Self { center, square, scale: frame.scale })
     }
 
     /// Returns the points at or beyond the distance from the center.
@@ -122,16 +122,16 @@ impl Guess {
         const GROUP: usize = 8;
         /// Number of coordinates of a group, each in its own lane.
         const LANES: usize = 3 * GROUP;
-        let mut centres = [0.0; LANES];
-        for (lane, centre) in centres.iter_mut().enumerate() {
-            *centre = self.centre[lane % 3];
+        let mut centers = [0.0; LANES];
+        for (lane, center) in centers.iter_mut().enumerate() {
+            *center = self.center[lane % 3];
         }
         let mut kept = Vec::new();
         let (groups, rest) = points.as_chunks::<GROUP>();
         for group in groups {
             let mut squares = [0.0; LANES];
             for (lane, &x) in group.as_flattened().iter().enumerate() {
-                let offset = (x.into() - centres[lane]) * self.scale;
+                let offset = (x.into() - centers[lane]) * self.scale;
                 squares[lane] = offset * offset;
             }
             // One comparison for the whole group, because nearly every group has no candidate.
@@ -149,7 +149,7 @@ impl Guess {
 
     #[inline(always)]
     fn is_beyond(&self, point: [f64; 3]) -> bool {
-        let [x, y, z] = scaled_offset(point, self.centre, self.scale).map(|offset| offset * offset);
+        let [x, y, z] = scaled_offset(point, self.center, self.scale).map(|offset| offset * offset);
         x + y + z >= self.square
     }
 }

@@ -25,7 +25,7 @@ pub(super) struct ExactSphere {
     /// Denominator of `offset`. Positive.
     denominator: Dyadic,
     /// Whether the center is in the convex hull of the support.
-    centred: bool,
+    centerd: bool,
     rounded: Rounded,
 }
 
@@ -35,9 +35,9 @@ pub(super) struct ExactSphere {
 struct Rounded {
     scale: f64,
     /// Center, rounded to nearest, in the unit of the points.
-    centre: [f64; 3],
+    center: [f64; 3],
     /// Rounding error of the center, in the unit of the points.
-    centre_rest: [f64; 3],
+    center_rest: [f64; 3],
     squared_radius: [f64; 2],
     /// Lower bound of the radius, in the unit of the points.
     radius_down: f64,
@@ -74,7 +74,7 @@ fn of_few(points: &[[f64; 3]], frame: Frame) -> Option<ExactSphere> {
         let chosen: Vec<[f64; 3]> = (0..points.len()).filter(|i| subset >> i & 1 == 1).map(|i| points[i]).collect();
         let sphere = ExactSphere::through(&chosen, frame)?;
         let holds = |point: &[f64; 3]| sphere.excess(*point) != Sign::Positive;
-        (sphere.centred && points.iter().all(holds)).then_some(sphere)
+        (sphere.centerd && points.iter().all(holds)).then_some(sphere)
     })
 }
 
@@ -154,14 +154,14 @@ impl ExactSphere {
         // origin has the rest.
         let (weights, whole) = weights;
         let rest = weights.iter().fold(whole, |rest, weight| &rest - weight);
-        let centred = weights.iter().chain([&rest]).all(|weight| weight.sign() != Sign::Negative);
+        let centerd = weights.iter().chain([&rest]).all(|weight| weight.sign() != Sign::Negative);
         match denominator.sign() {
             Sign::Zero => None,
-            Sign::Positive => Some(Self::new(points, origin, offset, denominator, centred, frame)),
+            Sign::Positive => Some(Self::new(points, origin, offset, denominator, centerd, frame)),
             Sign::Negative => {
                 let negate = |x: &Dyadic| &Dyadic::ZERO - x;
                 let offset = [0, 1, 2].map(|axis| negate(&offset[axis]));
-                Some(Self::new(points, origin, offset, negate(&denominator), centred, frame))
+                Some(Self::new(points, origin, offset, negate(&denominator), centerd, frame))
             }
         }
     }
@@ -171,24 +171,24 @@ impl ExactSphere {
         origin: [Dyadic; 3],
         offset: [Dyadic; 3],
         denominator: Dyadic,
-        centred: bool,
+        centerd: bool,
         frame: Frame,
     ) -> Self {
         let mut rounded = Rounded::new(&origin, &offset, &denominator, frame);
-        if centred {
+        if centerd {
             rounded.round_radius(&dot(&offset, &offset), &(&denominator * &denominator));
         }
-        Self { support: support.to_vec(), origin, offset, denominator, centred, rounded }
+        Self { support: support.to_vec(), origin, offset, denominator, centerd, rounded }
     }
 
     /// Returns the center, each coordinate rounded to nearest.
-    pub(super) fn centre(&self) -> [f64; 3] {
-        self.rounded.centre
+    pub(super) fn center(&self) -> [f64; 3] {
+        self.rounded.center
     }
 
     /// Returns a bound on the rounding error of the center, in the scale of the frame.
-    pub(super) fn centre_error(&self) -> f64 {
-        2.0 * self.rounded.centre_rest.iter().fold(0.0_f64, |sum, x| sum + x.abs()) * self.rounded.scale
+    pub(super) fn center_error(&self) -> f64 {
+        2.0 * self.rounded.center_rest.iter().fold(0.0_f64, |sum, x| sum + x.abs()) * self.rounded.scale
     }
 
     /// Returns a double not above the radius.
@@ -247,9 +247,9 @@ impl Rounded {
     fn new(origin: &[Dyadic; 3], offset: &[Dyadic; 3], denominator: &Dyadic, frame: Frame) -> Self {
         let Frame { scale, .. } = frame;
         let numerator = |axis: usize| &(&origin[axis] * denominator) + &offset[axis];
-        let centre = [0, 1, 2].map(|axis| Dyadic::nearest_quotient(&numerator(axis), denominator) + 0.0);
-        let centre_rest = [0, 1, 2].map(|axis| {
-            let rest = &numerator(axis) - &(&Dyadic::from_f64(centre[axis]) * denominator);
+        let center = [0, 1, 2].map(|axis| Dyadic::nearest_quotient(&numerator(axis), denominator) + 0.0);
+        let center_rest = [0, 1, 2].map(|axis| {
+            let rest = &numerator(axis) - &(&Dyadic::from_f64(center[axis]) * denominator);
             Dyadic::nearest_quotient(&rest, denominator)
         });
         let square = dot(offset, offset);
@@ -259,15 +259,15 @@ impl Rounded {
         let low = Dyadic::nearest_quotient(&(&in_scale - &(&Dyadic::from_f64(high) * &whole)), &whole);
         // The coarse classification ignores the rounding error of the center. It is used for
         // spheres whose center is in the hull of their points.
-        let rest = centre_rest.iter().fold(0.0_f64, |largest, x| largest.max(x.abs())) * scale;
+        let rest = center_rest.iter().fold(0.0_f64, |largest, x| largest.max(x.abs())) * scale;
         let coarse = 2.0 * SQUARE_ERROR * high + 16.0 * rest;
         // Squares of pairs have an error of 2^-100 of their size. The rest of the center has one of
         // 2^-106, which changes a square by twice the distance times that. Points are within 4 of
         // each other, so no distance exceeds `far`.
-        let reach = centre.iter().fold(1.0_f64, |largest, x| largest.max(x.abs() * scale));
+        let reach = center.iter().fold(1.0_f64, |largest, x| largest.max(x.abs() * scale));
         let far = 4.0 + high.sqrt();
         let fine = far * (far + reach) / (1_u128 << 96) as f64;
-        Self { scale, centre, centre_rest, squared_radius: [high, low], radius_down: 0.0, error: [coarse, fine] }
+        Self { scale, center, center_rest, squared_radius: [high, low], radius_down: 0.0, error: [coarse, fine] }
     }
 
     /// Sets the radius from its square, given as a quotient. The radius must not exceed the extent
@@ -285,7 +285,7 @@ impl Rounded {
     /// `error[0]` for points that are not far outside.
     #[inline(always)]
     fn coarse_excess(&self, point: [f64; 3]) -> f64 {
-        squared(scaled_offset(point, self.centre, self.scale)) - self.squared_radius[0]
+        squared(scaled_offset(point, self.center, self.scale)) - self.squared_radius[0]
     }
 
     /// Returns the same as [`coarse_excess`](Self::coarse_excess) with an error within `error[1]`,
@@ -294,8 +294,8 @@ impl Rounded {
     fn fine_excess(&self, point: [f64; 3]) -> f64 {
         let (mut high, mut low) = (-self.squared_radius[0], -self.squared_radius[1]);
         for axis in 0..3 {
-            let (difference, lost) = two_sum(point[axis], -self.centre[axis]);
-            let (difference, rest) = (difference * self.scale, (lost - self.centre_rest[axis]) * self.scale);
+            let (difference, lost) = two_sum(point[axis], -self.center[axis]);
+            let (difference, rest) = (difference * self.scale, (lost - self.center_rest[axis]) * self.scale);
             let (square, lost) = two_product(difference, difference);
             let (sum, carried) = two_sum(high, square);
             low += carried + (lost + (2.0 * difference + rest) * rest);
@@ -336,9 +336,9 @@ mod tests {
                 (0..count).map(|_| std::array::from_fn(|_| rng.integer(-side, side) as f64)).collect();
             let stepped = minimal(&points, &points[..1], frame);
             let welzl = of_all(&points, frame);
-            assert_eq!(stepped.centre(), welzl.centre(), "{points:?}");
+            assert_eq!(stepped.center(), welzl.center(), "{points:?}");
             assert_eq!(stepped.radius_down(), welzl.radius_down(), "{points:?}");
-            assert!(stepped.centred && stepped.furthest_outside(&points).is_none());
+            assert!(stepped.centerd && stepped.furthest_outside(&points).is_none());
             supports[stepped.support.len()] += 1;
         }
         assert!(supports[1..].iter().all(|&count| count >= 10), "{supports:?}");
@@ -358,7 +358,7 @@ mod tests {
             let support: Vec<[f64; 3]> = (0..4).map(|_| point(&mut rng)).collect();
             let frame = Frame { origin: [offset; 3], scale: 1.0 };
             let Some(sphere) = ExactSphere::through(&support, frame) else { continue };
-            if !sphere.centred {
+            if !sphere.centerd {
                 continue;
             }
             // On the sphere, next to it, and anywhere.

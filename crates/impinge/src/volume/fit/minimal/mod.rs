@@ -46,7 +46,7 @@ use frame::Frame;
 /// use impinge::volume::fit::minimal_sphere;
 /// let corners: Vec<[f64; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
 /// let fitted = minimal_sphere(&corners)?;
-/// assert_eq!(fitted.sphere.centre(), [0.5; 3]);
+/// assert_eq!(fitted.sphere.center(), [0.5; 3]);
 /// assert!(fitted.lower <= 0.75_f64.sqrt() && fitted.sphere.radius() - fitted.lower < 3e-16);
 /// # Ok::<(), impinge::InputError>(())
 /// ```
@@ -69,16 +69,16 @@ pub fn minimal_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, 
         return Ok(FittedSphere { sphere: BoundingSphere::from_valid(bounds.min(), 0.0), lower: 0.0 });
     }
     let (minimal, rim) = solve(points, frame, candidates);
-    let sphere = about(minimal.centre(), &rim, frame.scale);
+    let sphere = about(minimal.center(), &rim, frame.scale);
     Ok(FittedSphere { sphere, lower: minimal.radius_down() })
 }
 
 /// Returns the minimal circle of points in a plane through the origin: its center and squared
 /// radius, rounded. The coordinates are about 1 in magnitude.
 pub(super) fn circle(points: &[[f64; 3]]) -> ([f64; 3], f64) {
-    let centre = approximate::minimal(points).centre;
-    let squared_radius = points.iter().map(|&point| squared(scaled_offset(point, centre, 1.0))).fold(0.0, f64::max);
-    (centre, squared_radius)
+    let center = approximate::minimal(points).center;
+    let squared_radius = points.iter().map(|&point| squared(scaled_offset(point, center, 1.0))).fold(0.0, f64::max);
+    (center, squared_radius)
 }
 
 /// Returns the minimal sphere, and a set of points that includes all those that are nearly on it.

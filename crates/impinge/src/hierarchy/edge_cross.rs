@@ -7,7 +7,7 @@
 //! axes form three frames for a whole query. Boxes are transformed into them as into any other
 //! frame.
 //!
-//! Tests: `askew/tests.rs`. Proof: docs/proof.md, L2b.
+//! Tests: `edge_cross/tests.rs`. Proof: docs/notes/proof.md, L2b.
 
 use fearless_simd::Simd;
 
@@ -19,13 +19,13 @@ use crate::simd::{by_axis, load3};
 
 /// The three frames whose axes are edge-cross axes of the host's and the guest's boxes.
 #[derive(Clone, Debug)]
-pub(crate) struct Askew {
+pub(crate) struct EdgeCrossAxes {
     /// For each axis of the host: the map of the host's boxes into its frame, and the map of the
     /// guest's.
     frames: [[BoxMap; 2]; 3],
 }
 
-impl Askew {
+impl EdgeCrossAxes {
     /// Builds the frames for the map `linear · x + translation` from the guest to the host. The map
     /// is known up to `error` on each axis. The coordinates of all boxes are at most `reach` in
     /// magnitude.
@@ -33,7 +33,7 @@ impl Askew {
     /// # Accuracy
     /// The edge-cross axes consist of entries of the map, without rounding. For the guest's boxes
     /// they are multiplied by the map in double precision. Each product and each sum is rounded
-    /// once: less than eight units of the magnitude of the sums (docs/proof.md, L2b).
+    /// once: less than eight units of the magnitude of the sums (docs/notes/proof.md, L2b).
     pub(crate) fn new(linear: &[[f64; 3]; 3], translation: &[f64; 3], error: f64, reach: f64) -> Self {
         const ROUNDING: f64 = 8.0 * f64::EPSILON;
         let frames = by_axis!(edge => {

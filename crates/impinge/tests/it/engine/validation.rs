@@ -1,4 +1,5 @@
-//! Bad arrays are refused with the place; odd but legal ones are taken as they are.
+//! Validation of meshes: invalid arrays are rejected with the index, and unusual but valid arrays
+//! are accepted.
 
 use impinge::{InputErrorKind, Mesh, Positions, query};
 
@@ -9,7 +10,7 @@ fn kind(positions: Positions, faces: Vec<[u32; 3]>) -> InputErrorKind {
 const TRIANGLE: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
 #[test]
-fn numbers_that_are_not_finite_name_their_vertex() {
+fn nonfinite_coordinates_are_rejected_by_vertex() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut vertices = TRIANGLE.to_vec();
         vertices[2][1] = bad;
@@ -21,7 +22,7 @@ fn numbers_that_are_not_finite_name_their_vertex() {
 }
 
 #[test]
-fn numbers_outside_the_proved_range_are_refused() {
+fn coordinates_beyond_the_limit_are_rejected() {
     let mut vertices = TRIANGLE.to_vec();
     vertices[1][0] = 2.0_f64.powi(128);
     assert!(matches!(
@@ -33,14 +34,14 @@ fn numbers_outside_the_proved_range_are_refused() {
 }
 
 #[test]
-fn an_index_without_a_vertex_names_its_face() {
+fn an_index_out_of_bounds_is_rejected_by_face() {
     let faces = vec![[0, 1, 2], [0, 3, 1]];
     let expected = InputErrorKind::IndexOutOfBounds { face: 1, index: 3, len: 3 };
     assert_eq!(kind(Positions::F64(TRIANGLE.to_vec()), faces), expected);
 }
 
 #[test]
-fn an_empty_mesh_is_legal_and_meets_nothing() {
+fn an_empty_mesh_is_valid_and_intersects_nothing() {
     let triangle = Mesh::new(Positions::F64(TRIANGLE.to_vec()), vec![[0, 1, 2]]).expect("a triangle");
     for positions in [Vec::new(), TRIANGLE.to_vec()] {
         let empty = Mesh::new(Positions::F64(positions), Vec::new()).expect("an empty mesh");
@@ -51,7 +52,7 @@ fn an_empty_mesh_is_legal_and_meets_nothing() {
 }
 
 #[test]
-fn doubles_that_are_all_singles_are_stored_as_such() {
+fn doubles_that_single_precision_holds_are_stored_in_single_precision() {
     let mesh = |x: f64| {
         let mut vertices = TRIANGLE.to_vec();
         vertices[1][0] = x;
@@ -62,7 +63,7 @@ fn doubles_that_are_all_singles_are_stored_as_such() {
 }
 
 #[test]
-fn many_equal_triangles_build_and_meet() {
+fn many_equal_triangles_build_and_intersect() {
     const COPIES: usize = 20_000;
     let faces = vec![[0, 1, 2]; COPIES];
     let many = Mesh::new(Positions::F64(TRIANGLE.to_vec()), faces).expect("a mesh");

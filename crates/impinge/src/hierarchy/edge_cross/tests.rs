@@ -54,9 +54,9 @@ impl Trial {
     /// Returns the number of lanes whose boxes are proved apart, summed over all vector levels.
     fn apart(&self) -> usize {
         // The translation may move boxes beyond a reach of 1.
-        let askew = Askew::new(&self.linear, &self.translation, self.error, 8.0);
+        let edge_cross = EdgeCrossAxes::new(&self.linear, &self.translation, self.error, 8.0);
         let apart = |(_, level)| {
-            let near = dispatch_every!(level, simd => askew.near(simd, &self.host, &self.guest, u64::MAX));
+            let near = dispatch_every!(level, simd => edge_cross.near(simd, &self.host, &self.guest, u64::MAX));
             (0..LANES).filter(|lane| near >> (LANES * lane + lane) & 1 == 0).count()
         };
         kernel_levels().into_iter().map(apart).sum()

@@ -2,7 +2,7 @@
 
 /// A box near a point, with its distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Neighbour {
+pub struct Neighbor {
     /// Key of the box.
     pub key: u32,
     /// Squared distance from the point to the nearest point of the box; zero if the point is

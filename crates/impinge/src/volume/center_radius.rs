@@ -8,27 +8,27 @@ use super::{BoundingVolume, MinMax};
 use crate::input::InputError;
 use crate::math::Pose;
 
-/// The closed box of the points `centre + e` with `|e| ≤ half_extents` on each axis, as a sum of
+/// The closed box of the points `center + e` with `|e| ≤ half_extents` on each axis, as a sum of
 /// real numbers.
 ///
 /// This form needs the fewest products to move: nine for the center and nine for the half-extents,
 /// or nine in all if the center is the pivot.
 ///
 /// ```
-/// use impinge::volume::{CentreRadius, MinMax};
-/// let bounds = CentreRadius::from(MinMax::new([1.0; 3], [4.0; 3])?);
-/// assert_eq!((bounds.centre(), bounds.half_extents()), ([2.5; 3], [1.5; 3]));
+/// use impinge::volume::{CenterRadius, MinMax};
+/// let bounds = CenterRadius::from(MinMax::new([1.0; 3], [4.0; 3])?);
+/// assert_eq!((bounds.center(), bounds.half_extents()), ([2.5; 3], [1.5; 3]));
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CentreRadius {
-    centre: [f64; 3],
+pub struct CenterRadius {
+    center: [f64; 3],
     half_extents: [f64; 3],
 }
 
-const _: () = assert!(size_of::<CentreRadius>() == 48);
+const _: () = assert!(size_of::<CenterRadius>() == 48);
 
-impl CentreRadius {
+impl CenterRadius {
     /// Builds the box around a center.
     ///
     /// # Errors
@@ -36,21 +36,21 @@ impl CentreRadius {
     /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) or, for
     /// half-extents, [`Negative`](crate::input::InputErrorKind::Negative), with the index of the
     /// axis.
-    pub fn new(centre: [f64; 3], half_extents: [f64; 3]) -> Result<Self, InputError> {
-        in_range("box coordinate", centre)?;
+    pub fn new(center: [f64; 3], half_extents: [f64; 3]) -> Result<Self, InputError> {
+        in_range("box coordinate", center)?;
         lengths_in_range("half-extent", half_extents)?;
-        Ok(Self { centre, half_extents })
+        Ok(Self { center, half_extents })
     }
 
     /// Builds the box from numbers that are known to be valid.
-    pub(super) fn from_valid(centre: [f64; 3], half_extents: [f64; 3]) -> Self {
-        Self { centre, half_extents }
+    pub(super) fn from_valid(center: [f64; 3], half_extents: [f64; 3]) -> Self {
+        Self { center, half_extents }
     }
 
     /// Returns the center.
     #[must_use]
-    pub fn centre(&self) -> [f64; 3] {
-        self.centre
+    pub fn center(&self) -> [f64; 3] {
+        self.center
     }
 
     /// Returns half the lengths along the axes.
@@ -63,7 +63,7 @@ impl CentreRadius {
     #[must_use]
     pub fn encloses(&self, other: &Self) -> bool {
         (0..3).all(|axis| {
-            let apart = distance_on_axis(self.centre[axis], other.centre[axis]);
+            let apart = distance_on_axis(self.center[axis], other.center[axis]);
             add_up(apart, other.half_extents[axis]) <= self.half_extents[axis]
         })
     }
@@ -71,24 +71,24 @@ impl CentreRadius {
 
 /// Converts without shrinking: the center is rounded to nearest, and the half-extents, rounded up,
 /// reach both corners from there.
-impl From<MinMax> for CentreRadius {
+impl From<MinMax> for CenterRadius {
     fn from(bounds: MinMax) -> Self {
         about_middle(bounds.min(), bounds.max())
     }
 }
 
 /// Converts without shrinking: both corners are rounded outward.
-impl From<CentreRadius> for MinMax {
-    fn from(bounds: CentreRadius) -> Self {
-        let CentreRadius { centre, half_extents } = bounds;
+impl From<CenterRadius> for MinMax {
+    fn from(bounds: CenterRadius) -> Self {
+        let CenterRadius { center, half_extents } = bounds;
         Self::from_ordered(
-            std::array::from_fn(|axis| add_down(centre[axis], -half_extents[axis])),
-            std::array::from_fn(|axis| add_up(centre[axis], half_extents[axis])),
+            std::array::from_fn(|axis| add_down(center[axis], -half_extents[axis])),
+            std::array::from_fn(|axis| add_up(center[axis], half_extents[axis])),
         )
     }
 }
 
-impl BoundingVolume for CentreRadius {
+impl BoundingVolume for CenterRadius {
     fn of_points(points: &[[f64; 3]]) -> Result<Self, InputError> {
         MinMax::of(points).map(Self::from)
     }
@@ -101,13 +101,13 @@ impl BoundingVolume for CentreRadius {
             // Rounding is monotonic: if the rounded difference exceeds a double, so does the exact
             // one.
             let sum = (self.half_extents[axis] + other.half_extents[axis]).next_up();
-            (self.centre[axis] - other.centre[axis]).abs() <= sum
+            (self.center[axis] - other.center[axis]).abs() <= sum
         })
     }
 
     /// Reports whether the point is inside. Exact, unlike [`overlaps`](BoundingVolume::overlaps).
     fn contains(&self, point: [f64; 3]) -> bool {
-        (0..3).all(|axis| distance_on_axis(point[axis], self.centre[axis]) <= self.half_extents[axis])
+        (0..3).all(|axis| distance_on_axis(point[axis], self.center[axis]) <= self.half_extents[axis])
     }
 
     fn merged(&self, other: &Self) -> Self {
@@ -129,18 +129,18 @@ impl BoundingVolume for CentreRadius {
     /// Arvo 1990; Ericson 4.2.6.
     fn moved(&self, world_from_local: &Pose) -> Result<Self, InputError> {
         let (linear, translation) = (world_from_local.linear(), world_from_local.translation());
-        let centre = world_from_local.apply(self.centre);
+        let center = world_from_local.apply(self.center);
         let half_extents = std::array::from_fn(|axis| {
             let (mut low, mut high, mut half) = (translation[axis], translation[axis], 0.0);
             for from in 0..3 {
-                low = add_down(low, mul_down(linear[axis][from], self.centre[from]));
-                high = add_up(high, mul_up(linear[axis][from], self.centre[from]));
+                low = add_down(low, mul_down(linear[axis][from], self.center[from]));
+                high = add_up(high, mul_up(linear[axis][from], self.center[from]));
                 half = add_up(half, mul_up(linear[axis][from].abs(), self.half_extents[from]));
             }
-            let off = add_up(high, -centre[axis]).max(add_up(centre[axis], -low)).max(0.0);
+            let off = add_up(high, -center[axis]).max(add_up(center[axis], -low)).max(0.0);
             add_up(half, off)
         });
-        Self::new(centre, half_extents)
+        Self::new(center, half_extents)
     }
 
     fn volume(&self) -> f64 {
@@ -155,11 +155,11 @@ impl BoundingVolume for CentreRadius {
 }
 
 /// Returns the box around the rounded midpoint of two corners that reaches both.
-fn about_middle(min: [f64; 3], max: [f64; 3]) -> CentreRadius {
-    let centre: [f64; 3] = std::array::from_fn(|axis| 0.5 * min[axis] + 0.5 * max[axis]);
+fn about_middle(min: [f64; 3], max: [f64; 3]) -> CenterRadius {
+    let center: [f64; 3] = std::array::from_fn(|axis| 0.5 * min[axis] + 0.5 * max[axis]);
     let half_extents =
-        std::array::from_fn(|axis| add_up(max[axis], -centre[axis]).max(add_up(centre[axis], -min[axis])));
-    CentreRadius { centre, half_extents }
+        std::array::from_fn(|axis| add_up(max[axis], -center[axis]).max(add_up(center[axis], -min[axis])));
+    CenterRadius { center, half_extents }
 }
 
 /// Returns a double not below `|a - b|`.
