@@ -32,8 +32,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use failure::Failure;
 
-/// Common uses, which the help shows after the options. A test runs each of them. Lines have at most
-/// 71 columns, so that they fit in a manual page of 80.
+/// Common uses, which the help shows after the options. A test runs each of them. Lines have at
+/// most 71 columns, so that they fit in a manual page of 80.
 const EXAMPLES: &str = "\
 Examples:
   impinge check a.stl b.stl                  Do they intersect? Where?
