@@ -12,9 +12,10 @@ import json
 import statistics
 
 import plots
+import record
+from about import circumstances, output
 from matplotlib.axes import Axes
 from plots import plt
-from rivals import circumstances, output
 
 WAYS = [
     ("refitted", "refits alone", "#ff725c", 3.0),
@@ -30,13 +31,10 @@ NAMES = {
 }
 """What the program calls an animation, and what its column is headed."""
 
-TITLES = (
-    "animation",
-    "How trees age under animations",
+NOTE = (
     "One thread; the least of the runs of a query, the median over the frames of an update, which is timed once in each. "
-    "The cost is that of a new tree's, by the surface area heuristic.",
+    "The cost is that of a new tree's, by the surface area heuristic."
 )
-"""The record's name, its head, and a note."""
 
 Rows = list[dict]
 
@@ -57,10 +55,18 @@ def table(animations: dict[str, Rows]) -> str:
     lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
     for name, rows in animations.items():
         for way, label, _, _ in WAYS:
-            update, query = (statistics.median(row[way][f"{key}_seconds"] * 1e3 for row in rows) for key in ("update", "query"))
-            rebuilds = {"refitted": 0, "watched": sum(row["faces_rebuilt"] > 0 for row in rows), "rebuilt": len(rows)}[way]
+            update, query = (
+                statistics.median(row[way][f"{key}_seconds"] * 1e3 for row in rows) for key in ("update", "query")
+            )
+            rebuilds = frames_with_rebuilds(rows, way)
             cost = max(relative_cost(row, way) for row in rows)
-            cells = [NAMES[name], str(len(rows)), label, f"{cost:.2f}", *(f"{x:.3g} ms" for x in (update, query, update + query))]
+            cells = [
+                NAMES[name],
+                str(len(rows)),
+                label,
+                f"{cost:.2f}",
+                *(f"{x:.3g} ms" for x in (update, query, update + query)),
+            ]
             lines.append("| " + " | ".join([*cells, str(rebuilds)]) + " |")
     return "\n".join(lines)
 
@@ -88,13 +94,33 @@ def drawn(animations: dict[str, Rows]) -> Axes:
     return grid[0, 0]
 
 
+def write_rows(animations: dict[str, Rows]) -> None:
+    """Record the greatest cost, and the medians of updates and queries, for each way to follow."""
+    for name, rows in animations.items():
+        for way, label, _, _ in WAYS:
+            case = f"{NAMES[name]}: {label}"
+            record.row(case, "frames", "1", len(rows))
+            record.row(case, "greatest cost", "1", max(relative_cost(row, way) for row in rows))
+            for key in ("update", "query"):
+                median = statistics.median(row[way][f"{key}_seconds"] for row in rows)
+                record.row(case, f"{key} median", "s", median)
+            record.row(case, "frames with rebuilds", "1", frames_with_rebuilds(rows, way))
+
+
+def frames_with_rebuilds(rows: Rows, way: str) -> int:
+    """Return the number of frames in which a part of the tree is built anew."""
+    watched = sum(row["faces_rebuilt"] > 0 for row in rows)
+    return {"refitted": 0, "watched": watched, "rebuilt": len(rows)}[way]
+
+
 def main() -> None:
-    parser = plots.arguments(__doc__, TITLES[0])
+    parser = plots.arguments(__doc__, "animation")
     parser.add_argument("--repeats", type=int, default=9, help="runs of each query, of which the least counts")
     options = parser.parse_args()
     about = circumstances()
     animations = measure(options.repeats)
-    plots.keep(drawn(animations), table(animations), about, options, TITLES)
+    plots.keep(drawn(animations), table(animations), about, NOTE, options.picture)
+    write_rows(animations)
 
 
 if __name__ == "__main__":

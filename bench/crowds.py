@@ -6,8 +6,9 @@
 import json
 
 import plots
+import record
+from about import circumstances, output
 from matplotlib.axes import Axes
-from rivals import circumstances, output
 
 SERIES = [
     ("pose", "posing", "#4269d0", -6),
@@ -18,12 +19,7 @@ SERIES = [
 ]
 """What a row calls it, what the plot does, its colour, and how far above its line's end its name stands, in points."""
 
-TITLES = (
-    "crowds",
-    "Crowds of characters",
-    "Two threads; the least of the frames.",
-)
-"""The record's name, its head, and a note."""
+NOTE = "Two threads; the least of the frames."
 
 
 def measure(repeats: int) -> list[dict[str, float]]:
@@ -55,13 +51,23 @@ def drawn(rows: list[dict[str, float]]) -> Axes:
     return axes
 
 
+def write_rows(rows: list[dict[str, float]]) -> None:
+    """Record the minimum of each part of a frame, and the number of intersecting parts."""
+    for row in rows:
+        case = f"{row['characters']} characters"
+        for key, name, _, _ in SERIES:
+            record.row(case, f"{name} minimum", "s", row[key])
+        record.row(case, "intersecting pairs of parts", "1", row["pairs_of_parts"])
+
+
 def main() -> None:
-    parser = plots.arguments(__doc__, TITLES[0])
+    parser = plots.arguments(__doc__, "crowds")
     parser.add_argument("--repeats", type=int, default=30, help="frames of each crowd, of which the least counts")
     options = parser.parse_args()
     about = circumstances()
     answer = measure(options.repeats)
-    plots.keep(drawn(answer), table(answer), about, options, TITLES)
+    plots.keep(drawn(answer), table(answer), about, NOTE, options.picture)
+    write_rows(answer)
 
 
 if __name__ == "__main__":

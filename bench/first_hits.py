@@ -21,8 +21,10 @@ import coal
 import fcl
 import impinge
 import numpy as np
+import record
+from about import circumstances
 from poses import fcl_model
-from rivals import circumstances, seconds
+from rivals import seconds
 
 WAYS = ("deep", "just in touch", "just apart", "plainly apart")
 NEAR = 1e-3  # how far "just" is, of the size of the first mesh
@@ -146,6 +148,7 @@ def main() -> int:
                     answers[name] = ask(world_from_b)
                     least = min(seconds(lambda ask=ask, at=world_from_b: ask(at)) for _ in range(options.repeats))
                 times.append(f"{least / options.poses * 1e6:.2f}")
+                record.row(f"{scene.name}: {way}", "pose minimum", "s", least / options.poses, name)
             print(f"| {scene.name} | {way} | {' | '.join(times)} |", flush=True)
             for name, found in answers.items():
                 differing = sum(a != b for a, b in zip(found, answers["impinge"], strict=True))

@@ -9,8 +9,10 @@ times the triangles, and its curves of intersection pass twice as many pairs of 
 import json
 
 import plots
+import record
+from about import circumstances, output
 from matplotlib.axes import Axes
-from rivals import KNOT_POSES, circumstances, output
+from rivals import KNOT_POSES
 
 SIZES = [(140, 36), (316, 79), (632, 158), (1412, 354), (2000, 500), (4000, 1000)]
 """Quads along the knot and round its tube."""
@@ -21,12 +23,7 @@ SERIES = [
     ("all_pairs_seconds", "all pairs", "#ff725c"),
 ]
 
-TITLES = (
-    "growth",
-    "How impinge grows",
-    "One thread; the least of the runs; two torus knots deep in each other.",
-)
-"""The record's name, its head, and a note."""
+NOTE = "One thread; the least of the runs; two torus knots deep in each other."
 
 
 def measure(along: int, around: int, repeats: int) -> dict[str, float]:
@@ -76,13 +73,23 @@ def drawn(rows: list[dict[str, float]]) -> Axes:
     return axes
 
 
+def write_rows(rows: list[dict[str, float]]) -> None:
+    """Record the minimum of each time, and the number of pairs."""
+    for row in rows:
+        case = f"{row['triangles']} triangles"
+        for key, name, _ in SERIES:
+            record.row(case, f"{name} minimum", "s", row[key])
+        record.row(case, "pairs", "1", row["pairs"])
+
+
 def main() -> None:
-    parser = plots.arguments(__doc__, TITLES[0])
+    parser = plots.arguments(__doc__, "growth")
     parser.add_argument("--repeats", type=int, default=9, help="runs of each, of which the least counts")
     options = parser.parse_args()
     about = circumstances()
     answer = [measure(along, around, options.repeats) for along, around in SIZES]
-    plots.keep(drawn(answer), table(answer), about, options, TITLES)
+    plots.keep(drawn(answer), table(answer), about, NOTE, options.picture)
+    write_rows(answer)
 
 
 if __name__ == "__main__":

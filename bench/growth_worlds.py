@@ -9,8 +9,9 @@ where it would take gigabytes.
 import json
 
 import plots
+import record
+from about import circumstances, output
 from matplotlib.axes import Axes
-from rivals import circumstances, output
 
 SIZES = [1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000]
 
@@ -24,12 +25,7 @@ SERIES = [
 
 Answer = dict[str, list[dict[str, float]]]
 
-TITLES = (
-    "growth-worlds",
-    "How all pairs of moving boxes grow",
-    "One thread, processor time, the least of the steps; pairs compared with parry3d's where that runs.",
-)
-"""The record's name, its head, and a note."""
+NOTE = "One thread, processor time, the least of the steps; pairs compared with parry3d's where that runs."
 
 
 def measure(steps: int) -> Answer:
@@ -69,13 +65,25 @@ def drawn(answer: Answer) -> Axes:
     return axes
 
 
+def write_rows(answer: Answer) -> None:
+    """Record the pairs, and the minimum of the steps of either engine."""
+    for scene, rows in answer.items():
+        for row in rows:
+            case = f"{scene}, {row['boxes']} boxes"
+            record.row(case, "pairs", "1", row["pairs"])
+            for key, engine in (("columns", "impinge"), ("parry", "parry3d")):
+                if row[key]:
+                    record.row(case, "step minimum", "s", row[key], engine)
+
+
 def main() -> None:
-    parser = plots.arguments(__doc__, TITLES[0])
+    parser = plots.arguments(__doc__, "growth-worlds")
     parser.add_argument("--steps", type=int, default=9, help="steps of 300,000 boxes, of which the least counts")
     options = parser.parse_args()
     about = circumstances()
     answer = measure(options.steps)
-    plots.keep(drawn(answer), table(answer), about, options, TITLES)
+    plots.keep(drawn(answer), table(answer), about, NOTE, options.picture)
+    write_rows(answer)
 
 
 if __name__ == "__main__":

@@ -16,11 +16,13 @@ import os
 import subprocess
 import sys
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rivals import ROOT, circumstances, spread
+import record
+from about import ROOT, circumstances, print_circumstances
+from rivals import spread
 from scipy.spatial import ConvexHull
 from torus_knot import torus_knot
 
@@ -105,7 +107,6 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--repeats", type=int, default=5, help="runs of each hull")
     parser.add_argument("--sets", nargs="+", help="only these sets of points")
-    parser.add_argument("--record", type=Path, default=ROOT / "bench" / "record", help="folder of the dated records")
     options = parser.parse_args()
 
     about = circumstances("scipy")
@@ -116,18 +117,18 @@ def main() -> int:
         for t in timings
         if abs(t.qhull_vertices - t.vertices) > TOLERANCE * t.vertices
     ]
-    text = table(timings)
-    print(text)
+    print_circumstances(about, "One thread; median (minimum) of the runs; the ratio is qhull's median over impinge's.")
+    print(table(timings))
+    for t in timings:
+        record.row(t.name, "points", "1", t.points)
+        for engine, vertices, runs in (
+            ("impinge", t.vertices, t.impinge_seconds),
+            ("qhull", t.qhull_vertices, t.qhull_seconds),
+        ):
+            record.row(t.name, "vertices", "1", vertices, engine)
+            record.seconds(t.name, "hull", runs, engine)
     for problem in problems:
         print(f"error: {problem}", file=sys.stderr)
-    options.record.mkdir(parents=True, exist_ok=True)
-    path = options.record / f"{about['date']}-hulls.md"
-    lines = [f"# Convex hulls beside qhull, {about['date']}", ""]
-    lines += [f"- {name}: `{value}`" for name, value in about.items() if name != "date"]
-    lines += ["", "One thread; median (minimum) of the runs; the ratio is qhull's median over impinge's.", "", text]
-    path.write_text("\n".join(lines) + "\n")
-    path.with_suffix(".json").write_text(json.dumps({"about": about, "timings": [asdict(t) for t in timings]}) + "\n")
-    print(f"recorded in {path}")
     return 1 if problems else 0
 
 

@@ -18,8 +18,9 @@ from dataclasses import dataclass
 import fcl
 import impinge
 import numpy as np
+import record
+from about import circumstances
 from poses import fcl_model
-from rivals import circumstances
 
 FACES = (2, 12, 2_000, 20_000, 200_000, 2_000_000)
 GAP = 0.25
@@ -73,12 +74,12 @@ def questions(mesh: impinge.Mesh) -> list[Asked]:
     same = lambda a, b: bool(a) == bool(b)  # noqa: E731
     near = lambda a, b: abs(a.upper - b) < 1e-9  # noqa: E731
     return [
-        Asked("intersects: apart", lambda: impinge.intersects(mesh, mesh, pose_b=above), hits(1, far), same),
-        Asked("intersects: crossing", lambda: impinge.intersects(mesh, mesh, pose_b=across), hits(1, crossing), same),
+        Asked("intersects, apart", lambda: impinge.intersects(mesh, mesh, pose_b=above), hits(1, far), same),
+        Asked("intersects, crossing", lambda: impinge.intersects(mesh, mesh, pose_b=across), hits(1, crossing), same),
         Asked("within, false", lambda: impinge.within(mesh, mesh, 0.1, pose_b=above), lambda: gap(far)() <= 0.1, same),
         Asked("distance", lambda: impinge.distance(mesh, mesh, pose_b=above), gap(far), near),
         Asked(
-            "pairs: crossing",
+            "pairs, crossing",
             lambda: impinge.intersecting_pairs(mesh, mesh, pose_b=across),
             hits(room, crossing),
             lambda pairs, count: abs(len(pairs) - count) <= 0.02 * count + 4,
@@ -113,7 +114,12 @@ def main() -> None:
             if not asked.agree(ours, theirs):
                 raise SystemExit(f"{asked.name} of {faces} faces: {ours} and {theirs} differ")
             one, other = medians(asked)
-            print(f"| {len(mesh.faces)} | {asked.name} | {one * 1e6:.1f} | {other * 1e6:.1f} | {one / other:.2f} |", flush=True)
+            print(
+                f"| {len(mesh.faces)} | {asked.name} | {one * 1e6:.1f} | {other * 1e6:.1f} | {one / other:.2f} |",
+                flush=True,
+            )
+            for engine, median in (("impinge", one), ("python-fcl", other)):
+                record.row(f"{len(mesh.faces)} faces: {asked.name}", "call median", "s", median, engine)
 
 
 if __name__ == "__main__":

@@ -11,19 +11,17 @@ what rational arithmetic says of it, and every distance that differs.
 
 import argparse
 import os
-import platform
-import shlex
 import sys
 import time
 from collections.abc import Callable
-from datetime import date
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import fcl
 import impinge
 import numpy as np
+import record
+from about import circumstances
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python" / "tests"))
 from oracles import oracle_pairs
@@ -117,22 +115,6 @@ def disagreements(
     return found
 
 
-def circumstances() -> dict[str, str]:
-    """What the numbers depend on beside the code."""
-    cpuinfo = Path("/proc/cpuinfo")
-    lines = cpuinfo.read_text().splitlines() if cpuinfo.exists() else []
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return {
-        "date": date.today().isoformat(),
-        "command": shlex.join(["python", *sys.argv]),
-        "cpu": f"{names[0] if names else platform.processor()}, {os.cpu_count()} cores",
-        "load before": f"{os.getloadavg()[0]:.1f}",
-        "python": platform.python_version(),
-        "python-fcl": version("python-fcl"),
-        "numpy": np.__version__,
-    }
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--poses", type=int, default=10_000)
@@ -143,7 +125,7 @@ def main() -> int:
     if folder is None:
         sys.exit("IMPINGE_DATA names no folder of extra data")
     meshes = Path(folder) / "nasty" / "fcl_resources"
-    about = circumstances()
+    about = circumstances("python-fcl")
     env, rob = impinge.load(meshes / "env.obj"), impinge.load(meshes / "rob.obj")
     for mesh in (env, rob):
         mesh.rebuild(options.builder)
@@ -202,6 +184,9 @@ def main() -> int:
     for name, engine, n, clock, work in rows:
         base = next(row for row in rows if row[0] == name)
         print(f"| {name} | {engine} | {n} | {clock:.3f} | {base[3] / clock:.1f} | {work:.3f} | {base[4] / work:.1f} |")
+        case = f"{name}, {options.poses} poses, {n} threads"
+        record.row(case, "all poses minimum", "s", clock, engine.split(",")[0])
+        record.row(case, "processor time minimum", "s", work, engine.split(",")[0])
     without, with_poses = overhead(env)
     print(
         f"\none call: {without * 1e6:.2f} us against an empty mesh, {with_poses * 1e6:.2f} us with two poses, far apart"

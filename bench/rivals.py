@@ -14,27 +14,22 @@ engine after another in each, as a shared machine changes its speed by the minut
 import argparse
 import gc
 import json
-import os
-import platform
-import shlex
 import statistics
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
-from datetime import date
-from importlib.metadata import version
+from dataclasses import dataclass, replace
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+import record
+from about import ROOT, circumstances, print_circumstances
 from adversaries import bumpy_sphere, rod, stadium
 from torus_knot import torus_knot, write_ply
 
-ROOT = Path(__file__).resolve().parent.parent
 NO_LIMIT = 10**8  # contacts, more than any pose here has
 OFTENER = 5  # runs of impinge for each of a rival's
 FIRST_HIT_CALLS = 100  # calls timed as one where one takes microseconds
@@ -118,7 +113,7 @@ def slivers(nu: int, nv: int) -> Scene:
 
 def rods(nu: int, nv: int) -> Scene:
     """With a hundredth as many triangles as a knot, each as long as the rod."""
-    return Scene("rod", rod(nu * nv // 100), [Pose("askew", (0.3, 0.2, 0.1), turn(0.7))], False)
+    return Scene("rod", rod(nu * nv // 100), [Pose("rods", (0.3, 0.2, 0.1), turn(0.7))], False)
 
 
 SCENES = {"knots": knots, "near": near, "slivers": slivers, "rods": rods}
@@ -328,41 +323,13 @@ def ratio(runs: list[float], base: list[float] | None) -> str:
     return f"{statistics.median(runs) / statistics.median(base):.3g}" if base else "–"
 
 
-def circumstances(*packages: str) -> dict[str, str]:
-    """What the numbers depend on beside the code; the packages are those that are measured."""
-    cpus = [line.split(":", 1)[1].strip() for line in read_lines("/proc/cpuinfo") if line.startswith("model name")]
-    return {
-        "date": date.today().isoformat(),
-        "command": shlex.join(["python", *sys.argv]),
-        "cpu": f"{cpus[0] if cpus else platform.processor()}, {os.cpu_count()} cores",
-        "load before": f"{os.getloadavg()[0]:.2f}",
-        "commit": output("git", "describe", "--always", "--dirty"),
-        "rustc": output("rustc", "--version"),
-        "python": platform.python_version(),
-        **{package: version(package) for package in packages},
-        "numpy": np.__version__,
-    }
-
-
-def read_lines(path: str) -> list[str]:
-    return Path(path).read_text().splitlines() if Path(path).exists() else []
-
-
-def output(*command: str) -> str:
-    return subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True).stdout.strip()
-
-
-def write_record(folder: Path, about: dict[str, str], timings: list[Timing], problems: list[str]) -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{about['date']}-rivals.md"
-    lines = [f"# impinge beside FCL and Coal, {about['date']}", ""]
-    lines += [f"- {name}: `{value}`" for name, value in about.items() if name != "date"]
-    lines += ["", "One thread; median (minimum) of the runs; a ratio is the engine's median over impinge's.", ""]
-    lines += [table(timings), "", *(f"- disagreement: {p}" for p in problems)]
-    path.write_text("\n".join(lines).rstrip() + "\n")
-    runs = {"about": about, "timings": [asdict(t) for t in timings], "disagreements": problems}
-    path.with_suffix(".json").write_text(json.dumps(runs, indent=1) + "\n")
-    return path
+def write_rows(timings: list[Timing]) -> None:
+    """Record the numbers of pairs, and the median and minimum of every time."""
+    for t in timings:
+        record.row(t.pose, "pairs", "1", t.pairs, t.engine)
+        record.seconds(t.pose, "build", t.build_seconds, t.engine)
+        record.seconds(t.pose, "all pairs", t.all_pairs_seconds, t.engine)
+        record.seconds(t.pose, "first hit", t.first_hit_seconds, t.engine)
 
 
 def main() -> int:
@@ -378,7 +345,6 @@ def main() -> int:
         help="runs of each query of FCL and Coal in a round; impinge has five times as many",
     )
     parser.add_argument("--engines", nargs="+", choices=ENGINES, default=list(ENGINES))
-    parser.add_argument("--record", type=Path, default=ROOT / "bench" / "record", help="folder of the dated records")
     options = parser.parse_args()
 
     about = circumstances("python-fcl", "coal")
@@ -391,10 +357,13 @@ def main() -> int:
             timings = merged(timings, ENGINES[engine](scene, options.repeats))
             gc.collect()  # the trees of one rival leave the memory before those of the next come
     problems = disagreements(timings)
+    print_circumstances(
+        about, "One thread; median (minimum) of the runs; a ratio is the engine's median over impinge's."
+    )
     print(table(timings))
+    write_rows(timings)
     for problem in problems:
         print(f"error: {problem}", file=sys.stderr)
-    print(f"recorded in {write_record(options.record, about, timings, problems)}")
     return 1 if problems else 0
 
 

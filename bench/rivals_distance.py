@@ -21,9 +21,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rivals import ROOT, circumstances, seconds
+import record
+from about import ROOT, circumstances
+from rivals import seconds
 from torus_knot import torus_knot, write_ply
 
+KEYS = ("without cache", "cache of same pose", "cache of last pose")
 TOLERANCE = 1e-9  # relative difference of distances, as no engine but ours says how far it may be off
 STEPS = 20  # poses of the knots' path
 NESTED_STEPS = 10  # of the thin knot's inside the thick one
@@ -138,7 +141,7 @@ def measure_fcl(scene: Scene, repeats: int) -> list[dict]:
         request = fcl.DistanceRequest()
         distance = fcl.distance(one, two, request, fcl.DistanceResult())
         cold = [seconds(lambda: fcl.distance(one, two, request, fcl.DistanceResult())) for _ in range(repeats)]
-        answers.append({"distance": distance, "cold": min(cold)})
+        answers.append({"distance": distance, "without cache": min(cold)})
     return answers
 
 
@@ -164,7 +167,7 @@ def measure_coal(scene: Scene, repeats: int) -> list[dict]:
             return coal.distance(a, coal.Transform3s(), b, world_from_b, coal.DistanceRequest(), result)
 
         distance = query()
-        answers.append({"distance": distance, "cold": min(seconds(query) for _ in range(repeats))})
+        answers.append({"distance": distance, "without cache": min(seconds(query) for _ in range(repeats))})
     return answers
 
 
@@ -189,9 +192,9 @@ def measure_impinge(scene: Scene, repeats: int) -> list[dict]:
     return [
         {
             "distance": line["distance"],
-            "cold": min(line["cold_seconds"]),
-            "same witness": min(line["seeded_seconds"]),
-            "last witness": min(line["following_seconds"]),
+            "without cache": min(line["cold_seconds"]),
+            "cache of same pose": min(line["seeded_seconds"]),
+            "cache of last pose": min(line["following_seconds"]),
         }
         for line in lines
     ]
@@ -212,7 +215,7 @@ def main() -> int:
         print(f"- {name}: `{value}`")
     folder = os.environ.get("IMPINGE_DATA")
     scenes = [knots(options.nu, options.nv), nested_knots()] + (bunny_and_human(Path(folder)) if folder else [])
-    print("\n| poses | engine | distance | cold, µs | same witness, µs | last witness, µs |\n" + "|---" * 6 + "|")
+    print("\n| poses | engine | distance | " + " | ".join(f"{key}, µs" for key in KEYS) + " |\n" + "|---" * 6 + "|")
     problems = 0
     for scene in scenes:
         answers = {}
@@ -224,6 +227,7 @@ def main() -> int:
         for label, which in [*own, (f"{len(scene.poses) - len(own)} others", slice(len(own), None))]:
             for engine, rows in answers.items():
                 print(f"| {scene.name}: {label} | {engine} | " + " | ".join(cells(rows[which])) + " |")
+                write_rows(f"{scene.name}: {label}", engine, rows[which])
         for engine, rows in answers.items():
             distances = np.array([row["distance"] for row in rows])
             for i in np.flatnonzero(np.abs(distances - reference) > TOLERANCE * np.abs(reference)):
@@ -236,9 +240,18 @@ def cells(rows: list[dict]) -> list[str]:
     """The distance of one row or the range of many, and means of microseconds."""
     distances = [row["distance"] for row in rows]
     low, high = min(distances), max(distances)
-    keys = [key for key in ("cold", "same witness", "last witness") if key in rows[0]]
-    times = [f"{np.mean([row[key] for row in rows]) * 1e6:.1f}" for key in keys]
+    times = [f"{np.mean([row[key] for row in rows]) * 1e6:.1f}" for key in KEYS if key in rows[0]]
     return [f"{low:.9g}" if low == high else f"{low:.3g} to {high:.3g}", *times, *[""] * (3 - len(times))]
+
+
+def write_rows(case: str, engine: str, rows: list[dict]) -> None:
+    """Record the range of the distances, and the mean of each time over the poses."""
+    distances = [row["distance"] for row in rows]
+    record.row(case, "distance minimum", "1", min(distances), engine)
+    record.row(case, "distance maximum", "1", max(distances), engine)
+    for key in KEYS:
+        if key in rows[0]:
+            record.row(case, f"{key} mean", "s", float(np.mean([row[key] for row in rows])), engine)
 
 
 if __name__ == "__main__":

@@ -13,11 +13,14 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
-from rivals import KNOT_POSES, ROOT, Mesh, Pose, circumstances, output, ratio, spread
+import record
+from about import ROOT, circumstances, output, print_circumstances
+from rivals import KNOT_POSES, Mesh, Pose, ratio, spread
 from torus_knot import torus_knot, write_ply
 
 FOLDER = ROOT / "target" / "rivals"
-KEYS = ("build_seconds", "refit_seconds", "pairs_seconds")
+KEYS = {"build_seconds": "build", "refit_seconds": "refit", "pairs_seconds": "find pairs"}
+"""Times of an answer, and their names in the record."""
 
 
 def program() -> Path:
@@ -62,7 +65,6 @@ def main() -> None:
     parser.add_argument("--nu", type=int, default=2000, help="quads along the knot")
     parser.add_argument("--nv", type=int, default=500, help="quads round its tube")
     parser.add_argument("--repeats", type=int, default=9, help="runs of each")
-    parser.add_argument("--record", type=Path, default=ROOT / "bench" / "record", help="folder of the dated records")
     options = parser.parse_args()
 
     FOLDER.mkdir(parents=True, exist_ok=True)
@@ -79,15 +81,15 @@ def main() -> None:
         timings.append({"pose": pose.name, "engine": "Embree", **measure_embree(mesh, pose, options.repeats)})
         # A box holds its triangle, so that no pair of triangles may be missing among those of boxes.
         assert timings[-1]["pairs"] >= timings[-2]["pairs"], f"{pose.name}: Embree finds fewer pairs than impinge"
-    found = table(timings)
-    print(found)
-    record = options.record / f"{about['date']}-embree.md"
-    lines = [f"# impinge beside Embree, {about['date']}", ""]
-    lines += [f"- {name}: `{value}`" for name, value in about.items() if name != "date"]
-    lines += ["", "One thread; median (minimum) of the runs; a ratio is the engine's median over impinge's. Embree's pairs are"]
-    lines += ["pairs of boxes in one frame, impinge's are pairs of triangles under any pose, exactly.", ""]
-    record.write_text("\n".join([*lines, found]) + "\n")
-    print(f"recorded in {record}")
+    print_circumstances(
+        about, "One thread; median (minimum) of the runs; a ratio is the engine's median over impinge's."
+    )
+    print(table(timings))
+    for timing in timings:
+        pose, engine = timing["pose"], timing["engine"]
+        record.row(pose, "pairs", "1", timing["pairs"], engine)
+        for key, name in KEYS.items():
+            record.seconds(pose, name, timing[key], engine)
 
 
 if __name__ == "__main__":

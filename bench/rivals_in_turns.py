@@ -16,12 +16,13 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import fcl
 import impinge
 import numpy as np
-from rivals import NO_LIMIT, ROOT, SCENES, Pose, Scene, circumstances, fcl_alone, fcl_query, ratio, seconds, spread
+import record
+from about import circumstances, print_circumstances
+from rivals import NO_LIMIT, SCENES, Pose, Scene, fcl_alone, fcl_query, ratio, seconds, spread
 
 LEAST_TURNS = 5
 
@@ -108,13 +109,27 @@ def table(all_turns: list[Turns]) -> str:
     return "\n".join(rows)
 
 
+def write_rows(all_turns: list[Turns]) -> None:
+    """Record the times of each engine, and the quartiles of the ratios of single turns."""
+    for turns in all_turns:
+        record.row(turns.pose, "pairs", "1", turns.pairs)
+        record.row(turns.pose, "turns", "1", len(turns.ratios))
+        record.seconds(turns.pose, "all pairs", turns.impinge)
+        record.seconds(turns.pose, "all pairs", turns.whole, "python-fcl")
+        quartiles = zip(
+            ("lower quartile", "median", "upper quartile"), statistics.quantiles(turns.ratios, n=4), strict=True
+        )
+        for name, value in quartiles:
+            record.row(turns.pose, f"ratio of a turn {name}", "1", value, "python-fcl")
+        record.seconds(turns.pose, "all pairs", turns.own_share, "FCL")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--nu", type=int, default=2000, help="quads along the knot")
     parser.add_argument("--nv", type=int, default=500, help="quads round its tube")
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
     parser.add_argument("--seconds", type=float, default=20, help="for each pose")
-    parser.add_argument("--record", type=Path, default=ROOT / "bench" / "record", help="folder of the dated records")
     options = parser.parse_args()
 
     about = circumstances("python-fcl")
@@ -122,14 +137,11 @@ def main() -> int:
     with impinge.threads(1):
         for name in options.scenes:
             taken += take_turns(SCENES[name](options.nu, options.nv), options.seconds)
-    lines = [f"# impinge and FCL in turns, {about['date']}", ""]
-    lines += [f"- {name}: `{value}`" for name, value in about.items() if name != "date"]
-    lines += ["", "One thread; median (minimum) of the runs, ratios of medians, and of a turn's own (quartiles).", ""]
-    options.record.mkdir(parents=True, exist_ok=True)
-    path = options.record / f"{about['date']}-rivals-in-turns.md"
-    path.write_text("\n".join([*lines, table(taken), ""]))
+    print_circumstances(
+        about, "One thread; median (minimum) of the runs, ratios of medians, and of a turn's own (quartiles)."
+    )
     print(table(taken))
-    print(f"recorded in {path}")
+    write_rows(taken)
     return 0
 
 

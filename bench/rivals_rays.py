@@ -16,10 +16,11 @@ import json
 import sys
 from dataclasses import dataclass
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
-from rivals import ROOT, circumstances, output, ratio, seconds, spread
+import record
+from about import ROOT, circumstances, output, print_circumstances
+from rivals import ratio, seconds, spread
 from torus_knot import torus_knot, write_ply
 
 FOLDER = ROOT / "target" / "rivals"
@@ -126,7 +127,9 @@ def true_parameter(scene: Scene, ray: int, face: int) -> Fraction | None:
     if face == NO_FACE:
         return None
     origin, direction = ([Fraction(float(x)) for x in scene.rays[ray, part]] for part in (slice(3), slice(3, 6)))
-    corners = [[Fraction(float(x)) - o for x, o in zip(scene.vertices[v], origin, strict=True)] for v in scene.faces[face]]
+    corners = [
+        [Fraction(float(x)) - o for x, o in zip(scene.vertices[v], origin, strict=True)] for v in scene.faces[face]
+    ]
     sides = [dot(direction, cross(corners[i], corners[(i + 1) % 3])) for i in range(3)]
     if min(sides) < 0 < max(sides) or sum(sides) == 0:
         return None
@@ -158,12 +161,22 @@ def disagreements(scene: Scene, ours: Hits, theirs: Hits) -> dict[str, list[str]
         elif at[0] is None and at[1] is None and not np.isfinite(ours.t[ray]):
             kind = "hit a face that the ray misses"
         elif at == [None, None] or at[0] == at[1]:
-            kind = "not judged: edge-on"
+            kind = "edge-on, undecided"
         else:
             kind = "IMPINGE IS WRONG"
         whose = f"ray {ray}: impinge {ours.faces[ray]} at {ours.t[ray]:.9g}, {theirs.engine} {theirs.faces[ray]} at {theirs.t[ray]:.9g}"
         found.setdefault(kind, []).append(whose)
     return found
+
+
+def write_rows(scene: Scene, hits: Hits, hit: int, seen_differently: dict[str, list[str]]) -> None:
+    """Record the hits, the time of a ray, and the rays of each kind that are seen differently."""
+    record.row(scene.name, "hits", "1", hit, hits.engine)
+    if scene.is_inside:
+        record.row(scene.name, "leaks", "1", len(hits.t) - hit, hits.engine)
+    record.seconds(scene.name, "ray", [run / len(hits.t) for run in hits.seconds], hits.engine)
+    for kind, rays in seen_differently.items():
+        record.row(scene.name, f"rays {kind}", "1", len(rays), hits.engine)
 
 
 def main() -> int:
@@ -173,14 +186,11 @@ def main() -> int:
     parser.add_argument("--levels", type=int, default=7, help="subdivisions of the sphere")
     parser.add_argument("--rays", type=int, default=1_000_000, help="rays of each kind")
     parser.add_argument("--repeats", type=int, default=5, help="runs of all rays")
-    parser.add_argument("--record", type=Path, help="folder of the dated records, if one is to be written")
     options = parser.parse_args()
 
     FOLDER.mkdir(parents=True, exist_ok=True)
     about = circumstances("embreex")
-    lines = [f"- {name}: `{value}`" for name, value in about.items() if name != "date"]
-    lines += ["", "One thread; microseconds a ray, median (minimum) of the runs; a ratio is the median over impinge's in one call.", ""]
-    lines += ["| rays | engine | hits | leaks | a ray, µs | ratio | seen differently |", "|" + "---|" * 7]
+    lines = ["| rays | engine | hits | leaks | a ray, µs | ratio | seen differently |", "|" + "---|" * 7]
     notes, is_wrong = [], False
     for scene in scenes((options.nu, options.nv), options.levels, options.rays):
         single, ours = measure_impinge(scene, options.repeats)
@@ -193,13 +203,18 @@ def main() -> int:
             differently = ", ".join(f"{len(rays)} {kind}" for kind, rays in judged.items())
             cells = [scene.name, hits.engine, str(hit), leaks, a_ray, ratio(hits.seconds, ours.seconds), differently]
             lines.append("| " + " | ".join(cells) + " |")
-            notes += [f"- {scene.name}, {hits.engine} {kind}: {name}" for kind, rays in judged.items() for name in rays[:NAMED]]
+            write_rows(scene, hits, hit, judged)
+            notes += [
+                f"- {scene.name}, {hits.engine} {kind}: {name}"
+                for kind, rays in judged.items()
+                for name in rays[:NAMED]
+            ]
             is_wrong |= "IMPINGE IS WRONG" in judged
         is_wrong |= scene.is_inside and not np.isfinite(ours.t).all()
-    text = "\n".join([*lines, "", *notes])
-    print(text)
-    if options.record:
-        (options.record / f"{about['date']}-rays.md").write_text(f"# impinge beside Embree's rays, {about['date']}\n\n{text}\n")
+    print_circumstances(
+        about, "One thread; median (minimum) of the runs; a ratio is the median over impinge's in one call."
+    )
+    print("\n".join([*lines, "", *notes]))
     return 1 if is_wrong else 0
 
 

@@ -54,9 +54,13 @@ fn main() -> Result<()> {
         let twists: Vec<f64> = (1..=FRAMES_OF_TWIST).map(|frame| f64::from(frame) * TWIST_OF_FRAME).collect();
         print_json("twist", &twisted(&twists, repeats)?);
     } else {
-        println!("{}", growth(repeats)?);
+        let knots = growth(repeats)?;
+        println!("{knots}");
+        knots.record("knots", 1)?;
         let names = TWISTS.map(|twist| twist.to_string());
-        println!("{}", aging_table("twist, rad", names.into_iter().zip(twisted(&TWISTS, repeats)?)));
+        let table = aging_table("twist, rad", names.into_iter().zip(twisted(&TWISTS, repeats)?));
+        println!("{table}");
+        table.record("knot", 1)?;
     }
     let Some(folder) = data_folder() else { return Ok(()) };
     for name in ANIMATIONS {
@@ -66,7 +70,9 @@ fn main() -> Result<()> {
         } else {
             let numbered = (1..).zip(frames).filter(|(number, _)| number % EVERY == 0);
             let named = numbered.map(|(number, frame)| (number.to_string(), frame));
-            println!("{name}\n{}", aging_table("frame", named));
+            let table = aging_table("frame", named);
+            println!("{name}\n{table}");
+            table.record(name, 1)?;
         }
     }
     Ok(())

@@ -92,7 +92,7 @@ fn points(repeats: usize) -> Result<()> {
         ]);
     }
     println!("{table}");
-    Ok(())
+    table.record("points", 1)
 }
 
 fn meshes(along: u32, repeats: usize) -> Result<()> {
@@ -133,7 +133,7 @@ fn meshes(along: u32, repeats: usize) -> Result<()> {
     ask("fan with itself", &|| Ok(query::self_intersecting_pairs(&fan).len().to_string()), "0")?;
     ask("knot with itself", &|| Ok(query::self_intersecting_pairs(&knot).len().to_string()), "0")?;
     println!("{table}");
-    Ok(())
+    table.record("meshes", 1)
 }
 
 /// Returns a block of unit height whose upper and lower sides are grids of `n` by `n` squares.

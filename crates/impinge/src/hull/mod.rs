@@ -42,11 +42,14 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 /// ```
 /// use impinge::hull::{Hull, HullKind};
 ///
-/// // The corners of a cube, and points in a face, in an edge and inside. let mut points: Vec<[f64;
-/// 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect(); points.extend([[0.5,
-/// 0.5, 1.0], [0.5, 1.0, 1.0], [0.5, 0.5, 0.5]]); let hull = Hull::new(&points)?;
-/// assert_eq!(hull.kind(), HullKind::Solid); assert_eq!(hull.vertices(), [0, 1, 2, 3, 4, 5, 6, 7]);
-/// assert_eq!(hull.faces().len(), 12); assert_eq!(hull.neighbors(0), [1, 2, 4]);
+/// // The corners of a cube, and points in a face, in an edge and inside.
+/// let mut points: Vec<[f64; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+/// points.extend([[0.5, 0.5, 1.0], [0.5, 1.0, 1.0], [0.5, 0.5, 0.5]]);
+/// let hull = Hull::new(&points)?;
+/// assert_eq!(hull.kind(), HullKind::Solid);
+/// assert_eq!(hull.vertices(), [0, 1, 2, 3, 4, 5, 6, 7]);
+/// assert_eq!(hull.faces().len(), 12);
+/// assert_eq!(hull.neighbors(0), [1, 2, 4]);
 /// assert_eq!(hull.support([1.0, 2.0, 3.0]), 7);
 /// # Ok::<(), impinge::InputError>(())
 /// ```

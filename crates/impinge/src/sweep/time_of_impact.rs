@@ -19,19 +19,20 @@ use crate::shape::{PlacedShape, Shape};
 /// use impinge::sweep::{Impact, Motion, time_of_impact};
 /// use impinge::{Mesh, Pose, Positions, Shape};
 ///
-/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]; let mesh =
-/// Mesh::new(Positions::F32(corners), vec![[0, 1, 2]])?; let fall =
-/// Motion::between(Pose::from_translation([0.0, 0.0, 3.0])?, Pose::from_translation([0.0, 0.0,
-/// -1.0])?)?; let impact = time_of_impact(&mesh, &mesh, &Motion::default(), &fall)?;
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 1, 2]])?;
+/// let fall = Motion::between(Pose::from_translation([0.0, 0.0, 3.0])?, Pose::from_translation([0.0, 0.0, -1.0])?)?;
+/// let impact = time_of_impact(&mesh, &mesh, &Motion::default(), &fall)?;
 /// assert!(impact.hit() && impact.t_lower <= 0.75 && impact.t_lower > 0.75 - 1e-9);
 ///
 /// let sphere = Shape::sphere([0.0; 3], 0.5)?;
 /// let impact = time_of_impact(&mesh, &sphere, &Motion::default(), &fall)?;
 /// assert!(impact.hit() && impact.t_lower <= 0.625 && impact.t_lower > 0.625 - 1e-9);
 ///
-/// let corners = vec![[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]]; let part
-/// = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?; let
-/// speck = Shape::point([1.0, 1.0, 1.0])?; let rest = Motion::default();
+/// let corners = vec![[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]];
+/// let part = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
+/// let speck = Shape::point([1.0, 1.0, 1.0])?;
+/// let rest = Motion::default();
 /// assert_eq!(time_of_impact(&part, &speck, &rest, &rest)?, Impact::NEVER);
 /// assert_eq!(time_of_impact(part.solid(), &speck, &rest, &rest)?.t_upper, 0.0);
 /// # Ok::<(), impinge::InputError>(())

@@ -132,11 +132,12 @@ impl Mesh {
     /// ```
     /// use impinge::{Mesh, Positions};
     ///
-    /// // A tetrahedron without the face that is farthest from the origin. let corners = vec![[0.0,
-    /// 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]; let open =
-    /// Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2]])?;
-    /// assert!(!open.is_closed()); let [deep, out] = open.winding_number(&[[0.1, 0.1, 0.1], [0.5,
-    /// 0.5, 0.5]])?[..] else { unreachable!() }; assert!(deep.lower > 0.5 && out.upper < 0.5);
+    /// // A tetrahedron without the face that is farthest from the origin.
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let open = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2]])?;
+    /// assert!(!open.is_closed());
+    /// let [deep, out] = open.winding_number(&[[0.1, 0.1, 0.1], [0.5, 0.5, 0.5]])?[..] else { unreachable!() };
+    /// assert!(deep.lower > 0.5 && out.upper < 0.5);
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     pub fn winding_number(&self, points: &[[f64; 3]]) -> Result<Vec<WindingNumber>, InputError> {
@@ -161,10 +162,10 @@ impl Mesh {
     /// use impinge::mesh::Containment::{Inside, Outside, Surface};
     /// use impinge::{Mesh, Positions};
     ///
-    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]; let
-    /// faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]; let solid =
-    /// Mesh::new(Positions::F32(corners), faces)?; assert_eq!(solid.contains(&[[0.1, 0.1, 0.1],
-    /// [0.5, 0.5, 0.0], [0.5, 0.5, 1e-300]])?, [Inside, Surface, Outside]);
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    /// let solid = Mesh::new(Positions::F32(corners), faces)?;
+    /// assert_eq!(solid.contains(&[[0.1, 0.1, 0.1], [0.5, 0.5, 0.0], [0.5, 0.5, 1e-300]])?, [Inside, Surface, Outside]);
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     pub fn contains(&self, points: &[[f64; 3]]) -> Result<Vec<Containment>, InputError> {

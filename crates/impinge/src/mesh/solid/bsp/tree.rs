@@ -20,9 +20,10 @@ use crate::mesh::solid::winding::{Containment, PointClassifier};
 /// use impinge::mesh::{Containment, SolidBsp};
 /// use impinge::{Mesh, Positions};
 ///
-/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]; let mesh
-/// = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?; let
-/// tree = SolidBsp::build(&mesh); assert_eq!(tree.contains([0.1; 3])?, Containment::Inside);
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
+/// let tree = SolidBsp::build(&mesh);
+/// assert_eq!(tree.contains([0.1; 3])?, Containment::Inside);
 /// assert_eq!(tree.contains([0.5, 0.5, 0.0])?, Containment::Surface);
 /// assert_eq!(tree.contains([0.5; 3])?, Containment::Outside);
 /// # Ok::<(), impinge::InputError>(())
