@@ -12,9 +12,9 @@ use super::triangles::triangles_intersect;
 use crate::math::Sign::{Negative, Positive, Zero};
 use crate::math::dyadic::{self, Dyadic};
 
-/// Reports whether triangle `a` of mesh A and triangle `b` of mesh B, placed in the world, have
-/// points no farther apart than `clearance`, in world units. The answer is exact. Returns `false`
-/// if `clearance` is negative or NaN.
+/// Reports whether triangle `a` of mesh A and triangle `b` of mesh B have points no farther apart
+/// than `clearance`, in world units. Each triangle is given in the frame of its mesh. The answer is
+/// exact. Returns `false` if `clearance` is negative or NaN.
 ///
 /// # Complexity
 /// 33 comparisons of integers of about 20 words each, and of 700 words in the worst case.

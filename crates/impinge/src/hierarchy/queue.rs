@@ -12,7 +12,7 @@ pub(super) struct Queue<T, const ROOM: usize> {
 }
 
 impl<T: Copy, const ROOM: usize> Queue<T, ROOM> {
-    /// Returns an empty queue. `filler` fills the unused places and is never returned.
+    /// Returns an empty queue. `filler` fills the unused slots and is never returned.
     pub(super) fn new(filler: T) -> Self {
         Self { items: [filler; ROOM], next: 0, len: 0 }
     }

@@ -43,9 +43,10 @@ pub enum Penetrates {
     Yes,
 }
 
-/// Returns [`penetrates`](super::penetrates()) of two meshes from the pairs of faces that
-/// intersect. `pairs` must be all pairs that [`intersecting_pairs`](super::intersecting_pairs())
-/// returned for the same meshes and poses.
+/// Returns whether the interiors of two meshes intersect, as [`penetrates`](super::penetrates())
+/// does, given the pairs of faces that intersect. Both meshes count as solids. `pairs` must be all
+/// pairs that [`intersecting_pairs`](super::intersecting_pairs()) returned for the same meshes and
+/// poses.
 ///
 /// # Panics
 /// If a face index of a pair is out of range.

@@ -58,8 +58,8 @@ pub enum Containment {
 }
 
 impl Containment {
-    /// Returns `true` unless the point is outside. Points on the surface and undecided points count
-    /// as contained, which is the safe side.
+    /// Returns `true` unless the point is outside. So points on the surface count as contained, and
+    /// so do undecided points.
     #[must_use]
     pub fn is_contained(self) -> bool {
         self != Self::Outside

@@ -48,9 +48,9 @@ pub struct SolidBsp {
     pub(super) is_closed: bool,
 }
 
-/// A plane, and the faces that are compared with a ray there. At a plane across an axis these are
-/// the faces of its cell that lie in it. At the first plane of a face these are all faces of its
-/// cell, and rays do not descend further.
+/// A plane, and the faces that are compared with a ray there. At an axis-aligned plane these are
+/// the faces of its cell that lie in the plane. At the first plane of a face these are all faces of
+/// its cell, and rays do not descend further.
 #[derive(Debug)]
 pub(super) struct Cut {
     pub(super) plane: CutPlane,
