@@ -51,7 +51,7 @@ class World(WorldQueries):
     -----
     Steps and queries use all processors (see `impinge.threads`), without the interpreter's lock.
     Calls from several threads run one after another. A copy is an independent world that shares the
-    shapes. A world pickles its options, the state of `save`, and its filter if that is picklable.
+    shapes. A world pickles its options, its filter, which must be picklable, and its state.
 
     Examples
     --------
