@@ -110,7 +110,8 @@ class BodyRayHit:
         Whether the ray hits a body.
     t : float or (...) float64 array
         Ray parameter of the hit, in units of the direction's length; zero if the ray starts inside
-        a shape, infinite if it misses. It is as accurate as `Mesh.ray_cast` and `Shape.ray_cast`.
+        a shape, infinite if it misses. It is as accurate as `Shape.ray_cast`; for a mesh, as
+        `Mesh.ray_cast` with the ray rounded in the mesh frame.
     body : int or (...) uint64 array
         Handle of the body; 0, which is never a handle, if the ray misses.
     point : (..., 3) float64 array
