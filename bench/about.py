@@ -1,4 +1,4 @@
-"""What the numbers of a benchmark depend on beside the code: date, machine, commit and versions."""
+"""The circumstances of a benchmark run: date, machine, commit and versions."""
 
 import os
 import platform
@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def circumstances(*packages: str) -> dict[str, str]:
-    """Return what the numbers depend on beside the code, with the versions of the packages."""
+    """Return the circumstances of this run by name, with the versions of the given packages."""
     cpus = [line.split(":", 1)[1].strip() for line in read_lines("/proc/cpuinfo") if line.startswith("model name")]
     return {
         "date": date.today().isoformat(),
@@ -31,17 +31,20 @@ def circumstances(*packages: str) -> dict[str, str]:
 
 
 def read_lines(path: str) -> list[str]:
-    """Return the lines of a file, or none if there is no file."""
+    """Return the lines of a file, or an empty list if it does not exist."""
     return Path(path).read_text().splitlines() if Path(path).exists() else []
 
 
 def output(*command: str) -> str:
-    """Return what a command prints, run in the root of the project."""
+    """Run a command in the root of the project, and return its standard output, stripped.
+
+    Raise a `subprocess.CalledProcessError` if it fails.
+    """
     return subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True).stdout.strip()
 
 
 def print_circumstances(about: dict[str, str], note: str) -> None:
-    """Print what the numbers depend on, and how to read them."""
+    """Print the circumstances of the run, and a note on how to read the numbers."""
     for name, value in about.items():
         print(f"- {name}: `{value}`")
     print(f"\n{note}\n")

@@ -1,4 +1,4 @@
-"""The look of a plot, and its file, for the scripts that draw how something grows."""
+"""Style and files of the plots that benchmarks draw."""
 
 import argparse
 from pathlib import Path
@@ -16,28 +16,28 @@ mpl.rcParams.update({"font.size": 9, "axes.edgecolor": GREY, "xtick.color": "#55
 
 
 def arguments(about: str | None, name: str) -> argparse.ArgumentParser:
-    """Return a parser with the path of the picture of this name."""
+    """Return a parser with an option for the path of the picture; `name` gives the default."""
     parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--picture", type=Path, default=ROOT / "docs" / "images" / f"{name}.png")
     return parser
 
 
 def blank() -> Axes:
-    """Axes without a frame, over a faint grid."""
+    """Return axes with a faint grid, and without a frame above and on the right."""
     _, axes = plt.subplots(figsize=(7.2, 4.4), layout="constrained")
     bare(axes)
     return axes
 
 
 def bare(axes: Axes) -> None:
-    """Take the frame away and lay a faint grid beneath."""
+    """Remove the frame above and on the right, and draw a faint grid below the content."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(visible=True, which="major", color="#e6e6e6", linewidth=0.6)
     axes.set_axisbelow(True)
 
 
 def keep(axes: Axes, table: str, about: dict[str, str], note: str, picture: Path) -> None:
-    """Print the circumstances, a note and a table, and save the figure of these axes."""
+    """Print the circumstances, a note and a table, and save the figure of the axes to `picture`."""
     print_circumstances(about, note)
     print(table)
     axes.figure.savefig(picture, dpi=160)

@@ -15,12 +15,12 @@ import statistics
 from collections.abc import Iterable
 from pathlib import Path
 
-# The variable is taken out of the environment: programs that a script runs record nothing.
+# The variable is removed from the environment, so that programs run by a script record nothing.
 _ROWS = os.environ.pop("IMPINGE_RECORD", None)
 
 
 def row(case: str, quantity: str, unit: str, value: float, engine: str = "impinge") -> None:
-    """Append a row, if the benchmark is recorded."""
+    """Append a row to the record, if the benchmark is recorded."""
     if _ROWS is None:
         return
     with Path(_ROWS).open("a", newline="", encoding="utf-8") as file:
@@ -28,7 +28,7 @@ def row(case: str, quantity: str, unit: str, value: float, engine: str = "imping
 
 
 def seconds(case: str, quantity: str, runs: Iterable[float], engine: str = "impinge") -> None:
-    """Append the median and the minimum of the seconds of single runs."""
+    """Append the median and the minimum of `runs`, the seconds of single runs."""
     runs = list(runs)
     row(case, f"{quantity} median", "s", statistics.median(runs), engine)
     row(case, f"{quantity} minimum", "s", min(runs), engine)

@@ -95,7 +95,7 @@ def load_scene(path: str | os.PathLike[str], unit: str | None = None) -> Scene:
     Warns
     -----
     LoadWarning
-        If a part of the file was skipped, or if the mesh has no faces.
+        If a part of the file was skipped, or if the file has no faces.
 
     Examples
     --------

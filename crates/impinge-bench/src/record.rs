@@ -22,18 +22,18 @@ pub const ROWS: &str = "IMPINGE_RECORD";
 pub struct Row {
     /// Scene, pose or size that was measured.
     pub case: String,
-    /// Library that was measured: `impinge` or one beside it.
+    /// Library that was measured: `impinge` or another one.
     pub engine: String,
-    /// Name of the number, such as `build median`.
+    /// Name of the measured quantity, such as `build median`.
     pub quantity: String,
     /// Unit of the value: `s`, `%`, or `1` for counts and other plain numbers.
     pub unit: &'static str,
-    /// Measured number.
+    /// Measured number, in this unit.
     pub value: f64,
 }
 
 impl Row {
-    /// Returns the median and the minimum of times of impinge.
+    /// Returns two rows for times of impinge: their median and their minimum, in seconds.
     #[must_use]
     pub fn of_samples(case: &str, quantity: &str, samples: &Samples) -> [Self; 2] {
         [("median", samples.median()), ("minimum", samples.min())].map(|(kind, value)| Self {
@@ -49,7 +49,7 @@ impl Row {
 /// Appends rows to the file that [`ROWS`] names. Does nothing if the variable is not set.
 ///
 /// # Errors
-/// The file cannot be written.
+/// Returns an error if the file cannot be written.
 pub fn append(rows: &[Row]) -> Result<()> {
     env::var_os(ROWS).map_or(Ok(()), |path| append_to(Path::new(&path), rows))
 }

@@ -15,12 +15,12 @@ const ENGINES: [&str; 5] = ["impinge", "kiddo", "obvhs", "parry3d", "rstar"];
 const UNITS: [(&str, &str, f64); 5] =
     [("s", "s", 1.0), ("ms", "s", 1e-3), ("µs", "s", 1e-6), ("ns", "s", 1e-9), ("%", "%", 1.0)];
 
-/// Rows of cells under headings; the first column stands left, the others right.
+/// Rows of cells below a row of headings. The first column is aligned left, the others right.
 #[derive(Clone, Debug)]
 pub struct Table<const COLUMNS: usize>(Vec<[String; COLUMNS]>);
 
 impl<const COLUMNS: usize> Table<COLUMNS> {
-    /// A table without rows.
+    /// Returns a table with headings and without rows.
     #[must_use]
     pub fn new(headings: [&str; COLUMNS]) -> Self {
         Self(vec![headings.map(str::to_owned)])
@@ -39,7 +39,8 @@ impl<const COLUMNS: usize> Table<COLUMNS> {
     /// with, or else impinge.
     ///
     /// # Errors
-    /// Two numbers would have the same case, engine and quantity, or the file cannot be written.
+    /// Returns an error if two numbers have the same case, engine and quantity, or if the file
+    /// cannot be written.
     pub fn record(&self, context: &str, keys: usize) -> Result<()> {
         let rows = self.recorded(context, keys);
         let mut seen = HashSet::new();
@@ -114,7 +115,7 @@ fn number(cell: &str) -> Option<(f64, &'static str)> {
     Some((digits.parse::<f64>().ok()? * factor, unit))
 }
 
-/// A time with its unit, of four digits at most before it.
+/// Formats a time in seconds with a suitable unit: s, ms, µs or ns, such as `12.50 ms`.
 #[must_use]
 pub fn time(seconds: f64) -> String {
     match seconds {
@@ -125,7 +126,7 @@ pub fn time(seconds: f64) -> String {
     }
 }
 
-/// The minimum and the median, as two cells.
+/// Returns the minimum and the median time, as two cells.
 #[must_use]
 pub fn spread(samples: &Samples) -> [String; 2] {
     [time(samples.min()), time(samples.median())]

@@ -90,9 +90,9 @@ impl Arguments {
 struct Measured {
     distance: f64,
     cold: Samples,
-    /// Times with the cache of the pose before.
+    /// Times with the cache of the previous pose.
     following: Samples,
-    /// Times with the cache of this pose.
+    /// Times with the cache of the same pose.
     seeded: Samples,
 }
 

@@ -93,7 +93,7 @@ fn rounded(surface: Surface) -> Surface {
     Surface { positions, ..surface }
 }
 
-/// Returns the nearest pose whose quaternion and translation are in single precision, for either
+/// Returns the nearest pose whose quaternion and translation are in single precision, for each
 /// engine.
 fn same_pose(pose: &Pose) -> Result<(Pose, ParryPose)> {
     let columns = std::array::from_fn(|column| pose.linear().map(|row| row[column] as f32));
@@ -122,7 +122,7 @@ fn build_parry(surface: &Surface, repeats: usize) -> Result<(TriMesh, Samples)> 
 
 fn ask_parry(repeats: usize, mesh: &TriMesh, world_from_b: &ParryPose) -> Result<Asked> {
     let meets = || intersection_test(&ParryPose::IDENTITY, mesh, black_box(world_from_b), mesh);
-    meets()?; // parry3d refuses pairs of shapes by their kinds alone, and so never again
+    meets()?; // parry3d rejects pairs of shapes by their kinds only, so later calls succeed
     ask(
         repeats,
         || parry_pairs(black_box(mesh), black_box(world_from_b)),

@@ -22,7 +22,7 @@ use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
 /// Numbers of quads along and around the knots: 20,000 to 2,000,000 triangles.
 const SIZES: [[u32; 2]; 3] = [[200, 50], [632, 158], [2000, 500]];
 
-/// Twists of the knot about its axis per unit of length along it, in radians.
+/// Twists of the knot about its axis, in radians per unit of length along the axis.
 const TWISTS: [f64; 6] = [0.0, 0.25, 0.5, 1.0, 2.0, 4.0];
 
 /// Number of frames of the twist as an animation. Each frame is turned further by
@@ -185,8 +185,8 @@ fn aging_table(first: &'static str, frames: impl IntoIterator<Item = (String, Fr
     table
 }
 
-/// Follows a knot of 200,000 triangles that is twisted more and more about its axis, against its
-/// original.
+/// Follows a knot of 200,000 triangles that is twisted more and more about its axis. Its queries
+/// are against the original knot.
 fn twisted(twists: &[f64], repeats: usize) -> Result<Vec<Frame>> {
     let knot = torus_knot(632, 158, TREFOIL);
     let still = Mesh::with_builder(Positions::F64(knot.vertices.clone()), knot.faces, Builder::Morton)?;
@@ -200,7 +200,7 @@ fn twisted(twists: &[f64], repeats: usize) -> Result<Vec<Frame>> {
     follow(&still, frames, (&still).into(), repeats)
 }
 
-/// Follows a recorded animation against its first frame, moved aside.
+/// Follows a recorded animation. Its queries are against a moved copy of its first frame.
 fn animated(folder: &Path, name: &str, repeats: usize) -> Result<Vec<Frame>> {
     let Animation { frames, faces } = Animation::read(folder, name)?;
     let still = Mesh::with_builder(Positions::F32(frames[0].clone()), faces, Builder::Morton)?;

@@ -98,7 +98,7 @@ fn points(repeats: usize) -> Result<()> {
 fn meshes(along: u32, repeats: usize) -> Result<()> {
     let build = |mesh: impinge_testkit::Mesh| Mesh::new(Positions::F64(mesh.vertices), mesh.faces);
     let knot = build(torus_knot(along, along / 4, TREFOIL))?;
-    // It lies inside the other one everywhere.
+    // The thin knot lies inside the other knot.
     let thin = build(torus_knot(along, along / 4, Knot { radius: 0.2, ..TREFOIL }))?;
     let mut table = Table::new(["", "first", "again", "answer"]);
     let mut ask = |name: &str, question: &dyn Fn() -> Result<String>, expected: &str| -> Result<()> {

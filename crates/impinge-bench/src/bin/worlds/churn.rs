@@ -1,4 +1,4 @@
-//! Steps in which bodies are steadily added and removed.
+//! Benchmark: steps in which bodies are steadily added and removed.
 
 use anyhow::{Result, ensure};
 use impinge::Pose;
@@ -9,6 +9,10 @@ use impinge_testkit::generate::Rng;
 
 use crate::scenes::boxed;
 
+/// Prints the work and the time of `steps` steps of `count` bodies: medians and 99.9th percentiles.
+///
+/// # Errors
+/// Returns an error if the work of some steps is far above the median.
 pub(crate) fn steady(count: usize, steps: usize) -> Result<()> {
     let mut table =
         Table::new(["kind", "work median", "work 99.9 %", "ratio", "time median", "time 99.9 %", "most pairs held"]);

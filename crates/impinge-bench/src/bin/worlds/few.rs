@@ -1,4 +1,4 @@
-//! A few of many boxes move.
+//! Benchmark: a few of many boxes move in each step.
 
 use std::time::Instant;
 
@@ -12,11 +12,16 @@ use impinge_testkit::generate::Rng;
 
 use crate::scenes::{boxed, size};
 
-/// Number of steps before times are taken. With `Auto` the world needs some steps to choose.
+/// Number of steps before steps are timed. With `Auto` the world needs some steps to choose a broad
+/// phase.
 const WARM: usize = 10;
 
 const PHASES: [&str; 5] = ["realign", "take", "broad", "narrow", "report"];
 
+/// Times steps of `count` boxes of which `moving` move, with equal and with spread sizes.
+///
+/// # Errors
+/// Returns an error if two broad phases find different pairs.
 pub(crate) fn compare(count: usize, moving: usize, steps: usize) -> Result<()> {
     let [realign, take, broad, narrow, report] = PHASES;
     for is_spread in [false, true] {

@@ -1,4 +1,4 @@
-//! Bodies that share a few meshes and tumble in a box, decided exactly.
+//! Benchmark: bodies that share a few meshes and tumble in a box, decided exactly.
 
 use std::time::Instant;
 
@@ -62,9 +62,14 @@ impl Tumbling {
     }
 }
 
+/// Prints the times of steps in which all bodies move. `filled` is the share of the box that the
+/// bodies fill.
+///
+/// # Errors
+/// Returns an error if a pair of bodies disagrees with the query for two meshes.
 pub(crate) fn tumble(count: usize, steps: usize, filled: f64, contacts: bool) -> Result<()> {
     let meshes = blobs()?;
-    // Spheres of radius 1.
+    // A body takes about the volume of a sphere of radius 1.
     let reach = 0.5 * (count as f64 * 4.18879 / filled).cbrt();
     println!("{count} bodies of {} triangles in a box of {:.1}, {steps} steps", meshes[0].faces().len(), 2.0 * reach);
     let mut table =
