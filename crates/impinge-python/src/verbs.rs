@@ -4,8 +4,9 @@ use std::collections::HashMap;
 
 use impinge::Mesh;
 use impinge::exact::{Crossing, Placement, crossing};
+use impinge::mesh::Interrupt;
 use impinge::query::batch::Batch;
-use impinge::query::{self, ContactOptions, ContactPatch, Curves, Penetrates};
+use impinge::query::{self, ContactOptions, ContactPatch, Curves, Penetrates, Query};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyList};
@@ -28,7 +29,7 @@ pub(crate) fn intersects(py: Python<'_>, question: Question) -> PyResult<Bound<'
 /// array. An undecided answer counts as `True`.
 #[pyfunction]
 pub(crate) fn penetrates(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
-    yes_or_no(py, question.ask(py, Search::Whole, |batch| batch.penetrates())?.map(Penetrates::possibly))
+    yes_or_no(py, question.ask(py, Search::AllThreads, |batch| batch.penetrates())?.map(Penetrates::possibly))
 }
 
 /// Converts booleans for Python: one `bool` without leading axes, or an array.
@@ -113,7 +114,10 @@ pub(crate) fn contacts_of(
 #[pyfunction]
 pub(crate) fn self_intersecting_pairs<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
-    let pairs = workers::run(py, move |_| query::self_intersecting_pairs(&mesh))?;
+    let pairs = workers::run(py, move |watch| {
+        let is_abandoned = || watch.is_abandoned();
+        Query::new().with_interrupt(Interrupt::when(&is_abandoned)).self_intersecting_pairs(&mesh)
+    })?;
     let count = pairs.len();
     row_array(py, pairs, &[count])
 }

@@ -59,7 +59,7 @@ struct Shared {
 }
 
 impl Watch {
-    fn is_abandoned(&self) -> bool {
+    pub(crate) fn is_abandoned(&self) -> bool {
         self.0.abandoned.load(Ordering::Relaxed)
     }
 }

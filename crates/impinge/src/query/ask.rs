@@ -48,9 +48,9 @@ impl<'q> Query<'q> {
     /// then returns the safe answer of [`Interrupt`], which the caller must discard.
     ///
     /// The interrupt is checked while `intersects`, `proximity`, `within`, `nearness`, `distance`,
-    /// `intersecting_pairs` and `intersecting_pairs_up_to` search the faces of two meshes. All
-    /// other work runs to its end: queries about shapes and compounds, and checks whether one thing
-    /// is inside a solid.
+    /// `penetrates`, `intersecting_pairs`, `intersecting_pairs_up_to` and `self_intersecting_pairs`
+    /// search the faces of meshes. All other work runs to its end: queries about shapes and
+    /// compounds, and checks whether one thing is inside a solid.
     #[must_use]
     pub fn with_interrupt(self, interrupt: Interrupt<'q>) -> Self {
         Self { options: Options { interrupt, ..self.options }, ..self }

@@ -29,7 +29,7 @@ use std::collections::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use crate::exact::{Contact, Corners, EdgeLine, Fan, Placement, PosedPoint, Spot, contact};
-use crate::mesh::{Components, Containment, Mesh, PlacedMesh, PointClassifier, Wall, Walls};
+use crate::mesh::{Components, Containment, Interrupt, Mesh, PlacedMesh, PointClassifier, Wall, Walls};
 
 /// Verdict whether the interiors of two solids intersect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -56,11 +56,18 @@ pub fn penetrates_of_pairs<'a, 'b>(
     b: impl Into<PlacedMesh<'b>>,
     pairs: &[[u32; 2]],
 ) -> Penetrates {
+    decide(a.into(), b.into(), pairs, Interrupt::NEVER)
+}
+
+/// Computes [`penetrates_of_pairs`]. Once the interrupt asks for it, everything that is left is
+/// undecided.
+pub(super) fn decide(a: PlacedMesh<'_>, b: PlacedMesh<'_>, pairs: &[[u32; 2]], interrupt: Interrupt<'_>) -> Penetrates {
     /// Number of contacts that are classified before the parts and all other contacts. If bodies
     /// are deep in each other, any contact shows it. More contacts take longer if they prove
     /// nothing; fewer contacts often are not enough.
     const FIRST_CONTACTS: usize = 64;
-    let solids = Solids::new(a.into(), b.into());
+    let solids =
+        Solids { placed: [a, b], placement: Placement::new(&a.world_from_mesh, &b.world_from_mesh), interrupt };
     let contacts = solids.contacts(pairs);
     let first = solids.classify_contacts(&contacts[..contacts.len().min(FIRST_CONTACTS)]);
     if first == Penetrates::Yes {
@@ -73,7 +80,7 @@ pub fn penetrates_of_pairs<'a, 'b>(
     }
     let rest = if contacts.len() > FIRST_CONTACTS { solids.classify_contacts(&contacts) } else { first };
     match rest.max(apart) {
-        Penetrates::No if !solids.have_clear_borders() => Penetrates::Undecided,
+        Penetrates::No if interrupt.is_wanted() || !solids.have_clear_borders() => Penetrates::Undecided,
         answer => answer,
     }
 }
@@ -92,13 +99,10 @@ enum Member {
 struct Solids<'m> {
     placed: [PlacedMesh<'m>; 2],
     placement: Placement,
+    interrupt: Interrupt<'m>,
 }
 
 impl<'m> Solids<'m> {
-    fn new(a: PlacedMesh<'m>, b: PlacedMesh<'m>) -> Self {
-        Self { placed: [a, b], placement: Placement::new(&a.world_from_mesh, &b.world_from_mesh) }
-    }
-
     fn mesh(&self, side: usize) -> &'m Mesh {
         self.placed[side].mesh
     }
@@ -110,17 +114,22 @@ impl<'m> Solids<'m> {
             let counts = contact != Contact::Slight && (0..2).all(|side| self.mesh(side).counts(pair[side]));
             counts.then_some((pair, contact))
         };
-        pairs.par_iter().filter_map(kind).collect()
+        pairs.par_iter().filter_map(|pair| if self.interrupt.is_wanted() { None } else { kind(pair) }).collect()
     }
 
     /// Returns the verdict of some contacts: `Yes` if one of them proves an intersection.
     fn classify_contacts(&self, contacts: &[Touching]) -> Penetrates {
         let contacts = self.with_distinct_fans(contacts);
-        let sides = [0, 1].map(|side| Side::of(self.mesh(side), side, &contacts));
+        let sides = [0, 1].map(|side| Side::of(self.mesh(side), side, &contacts, self.interrupt));
         // Stops at the first contact that proves an intersection.
-        let answers = contacts.par_iter().map(|(pair, contact)| match self.classify(&sides, *pair, *contact) {
-            Penetrates::Yes => Err(()),
-            answer => Ok(answer),
+        let answers = contacts.par_iter().map(|(pair, contact)| {
+            if self.interrupt.is_wanted() {
+                return Ok(Penetrates::Undecided);
+            }
+            match self.classify(&sides, *pair, *contact) {
+                Penetrates::Yes => Err(()),
+                answer => Ok(answer),
+            }
         });
         answers.try_reduce(|| Penetrates::No, |x, y| Ok(x.max(y))).unwrap_or(Penetrates::Yes)
     }
@@ -211,7 +220,12 @@ impl<'m> Solids<'m> {
             is_free[parts.of_face[pair[inner] as usize] as usize] = false;
         }
         let placement = Placement::new(&self.placed[1 - inner].world_from_mesh, &self.placed[inner].world_from_mesh);
-        let inside = |classifier: &mut PointClassifier<'_>, face: u32| is_inside(classifier, mesh, &placement, face);
+        let inside = |classifier: &mut PointClassifier<'_>, face: u32| {
+            if self.interrupt.is_wanted() {
+                return Some(Penetrates::Undecided);
+            }
+            is_inside(classifier, mesh, &placement, face)
+        };
         let faces = representatives(mesh, parts, outer.is_closed());
         let mut answers: Vec<Option<Penetrates>> = is_free
             .par_iter()
@@ -305,7 +319,7 @@ struct Side {
 }
 
 impl Side {
-    fn of(mesh: &Mesh, side: usize, contacts: &[Touching]) -> Self {
+    fn of(mesh: &Mesh, side: usize, contacts: &[Touching], interrupt: Interrupt<'_>) -> Self {
         let mut faces: Vec<u32> = contacts.iter().map(|(pair, _)| pair[side]).collect();
         let mut at_edge = HashMap::new();
         for (pair, contact) in contacts {
@@ -323,7 +337,7 @@ impl Side {
         }
         faces.par_sort_unstable();
         faces.dedup();
-        Self { walls: Walls::of(mesh, faces), at_edge }
+        Self { walls: Walls::of(mesh, faces, interrupt), at_edge }
     }
 
     fn at_edge(&self, edge: [u32; 2]) -> &[u32] {

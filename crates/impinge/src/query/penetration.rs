@@ -1,9 +1,9 @@
 //! How deep two things are in each other, and whether their interiors intersect.
 
-use super::penetrates::{Penetrates, penetrates_of_pairs};
+use super::penetrates::{Penetrates, decide};
 use super::placed::{Placed, meshes};
 use super::shapes::{search, table};
-use super::{Proximity, intersecting_pairs, proximity};
+use super::{Proximity, Query, proximity};
 use crate::convex::Depth;
 
 /// Penetration depth of two things, as an interval that is proved to hold the true depth.
@@ -142,15 +142,25 @@ pub(super) fn solid<'p>(placed: &'p Placed<'_>) -> Placed<'p> {
 /// ```
 #[must_use]
 pub fn penetrates<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Penetrates {
-    let (a, b) = (a.into(), b.into());
-    let (a, b) = (solid(&a), solid(&b));
-    if let Some([a, b]) = meshes(&a, &b) {
-        return penetrates_of_pairs(a, b, &intersecting_pairs(a, b));
-    }
-    match penetration(&a, &b) {
-        Some(depth) if depth.lower > 0.0 => Penetrates::Yes,
-        Some(depth) if depth.upper > 0.0 => Penetrates::Undecided,
-        _ => Penetrates::No,
+    Query::new().penetrates(a, b)
+}
+
+impl Query<'_> {
+    /// Returns [`penetrates`] of two things. If the interrupt ends the search, the answer is
+    /// `Undecided` unless an intersection of the interiors is proved.
+    #[must_use]
+    pub fn penetrates<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Penetrates {
+        let (a, b) = (a.into(), b.into());
+        let (a, b) = (solid(&a), solid(&b));
+        if let Some([a, b]) = meshes(&a, &b) {
+            let interrupt = self.options.interrupt;
+            return decide(a, b, &self.intersecting_pairs(a, b), interrupt);
+        }
+        match penetration(&a, &b) {
+            Some(depth) if depth.lower > 0.0 => Penetrates::Yes,
+            Some(depth) if depth.upper > 0.0 => Penetrates::Undecided,
+            _ => Penetrates::No,
+        }
     }
 }
 

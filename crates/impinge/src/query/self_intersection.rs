@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::Query;
 use crate::mesh::{Mesh, WantedFaces, collect_self_intersecting};
 
 /// Returns all pairs of faces of one mesh that intersect outside of the corners and edges that they
@@ -35,7 +36,16 @@ use crate::mesh::{Mesh, WantedFaces, collect_self_intersecting};
 /// ```
 #[must_use]
 pub fn self_intersecting_pairs(mesh: &Mesh) -> Vec<[u32; 2]> {
-    let mut pairs = collect_self_intersecting(mesh, WantedFaces::All);
-    pairs.par_sort_unstable();
-    pairs
+    Query::new().self_intersecting_pairs(mesh)
+}
+
+impl Query<'_> {
+    /// Returns the pairs of [`self_intersecting_pairs`]. If the interrupt ends the search, these are
+    /// the pairs found so far, which the caller must discard.
+    #[must_use]
+    pub fn self_intersecting_pairs(self, mesh: &Mesh) -> Vec<[u32; 2]> {
+        let mut pairs = collect_self_intersecting(mesh, WantedFaces::All, self.options.interrupt);
+        pairs.par_sort_unstable();
+        pairs
+    }
 }

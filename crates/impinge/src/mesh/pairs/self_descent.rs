@@ -17,6 +17,7 @@ use crate::exact::{Corners, Placement, intersect_beyond_shared};
 use crate::hierarchy::{Child, Node};
 use crate::math::Pose;
 use crate::mesh::Mesh;
+use crate::mesh::options::Interrupt;
 
 /// Work that is left.
 #[derive(Clone, Copy)]
@@ -33,6 +34,10 @@ struct Lane {
     node: u32,
     lane: u8,
 }
+
+/// Number of tasks between two checks of the interrupt. A task compares at most 8 x 8 faces, so
+/// these take less than a millisecond.
+const TASKS_PER_INTERRUPT_CHECK: usize = 1 << 6;
 
 /// Number of tasks per thread into which the upper levels are split before threads share them.
 const TASKS_PER_THREAD: usize = 64;
@@ -53,13 +58,21 @@ pub(crate) enum WantedFaces<'w> {
 }
 
 /// Returns the pairs of faces that have more in common than the hull of their shared positions. The
-/// smaller index comes first, and pairs are in no particular order.
-pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: WantedFaces<'_>) -> Vec<[u32; 2]> {
-    if let Some(found) = descend(mesh, wanted, None) {
+/// smaller index comes first, and pairs are in no particular order. If the interrupt ends the
+/// search, these are the pairs found so far.
+pub(crate) fn collect_self_intersecting(
+    mesh: &Mesh,
+    wanted: WantedFaces<'_>,
+    interrupt: Interrupt<'_>,
+) -> Vec<[u32; 2]> {
+    if let Some(found) = descend(mesh, wanted, None, interrupt) {
         return found;
     }
     let hubs = Hubs::of(mesh);
-    let mut found = descend(mesh, wanted, Some(&hubs)).unwrap_or_default();
+    let mut found = descend(mesh, wanted, Some(&hubs), interrupt).unwrap_or_default();
+    if interrupt.is_wanted() {
+        return found;
+    }
     let one_place = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
     let at_hubs = hubs
         .collect(mesh, |[one, other]| intersect_beyond_shared(&one_place, &mesh.corners(one), &mesh.corners(other)));
@@ -69,7 +82,12 @@ pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: WantedFaces<'_>) ->
 
 /// Returns the pairs, without those of faces that share a hub. If `hubs` is `None`, it stops and
 /// returns `None` once it has decided many more pairs than most meshes without hubs need.
-fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>) -> Option<Vec<[u32; 2]>> {
+fn descend(
+    mesh: &Mesh,
+    wanted: WantedFaces<'_>,
+    hubs: Option<&Hubs>,
+    interrupt: Interrupt<'_>,
+) -> Option<Vec<[u32; 2]>> {
     let has_wanted = wanted.nodes_with(mesh);
     let decided = AtomicUsize::new(0);
     let max_decided = if hubs.is_some() { usize::MAX } else { MAX_DECISIONS_PER_FACE * mesh.faces().len() };
@@ -96,8 +114,13 @@ fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>) -> Option<
         .map(|&task| {
             let mut worker = worker();
             let mut stack = vec![task];
+            let mut expanded = 0_usize;
             while let Some(task) = stack.pop() {
                 worker.expand(task, &mut stack);
+                expanded += 1;
+                if expanded.is_multiple_of(TASKS_PER_INTERRUPT_CHECK) && interrupt.is_wanted() {
+                    break;
+                }
                 let more = std::mem::take(&mut worker.decided);
                 if decided.fetch_add(more, Ordering::Relaxed) > max_decided {
                     return None;

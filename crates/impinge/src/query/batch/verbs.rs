@@ -11,7 +11,7 @@ use crate::mesh::Interrupt;
 use crate::query::penetration::solid;
 use crate::query::{
     Cache, ContactOptions, Curves, Distance, LimitedPairs, Manifold, Penetrates, Penetration, Placed, Proximity, Query,
-    intersection_curves, nearness, penetrates, penetration, proximity,
+    intersection_curves, nearness, penetration, proximity,
 };
 use crate::shape::Shape;
 
@@ -162,7 +162,7 @@ impl<'e> Batch<'e> {
     /// # Errors
     /// As for [`each`](Self::each).
     pub fn penetrates(&self) -> Result<Answers<Penetrates>, Stopped> {
-        let answers = self.each(Penetrates::Undecided, |_, a, b| penetrates(a, b))?;
+        let answers = self.each(Penetrates::Undecided, |query, a, b| query.penetrates(a, b))?;
         Ok(answers.mark_undecided(|&found| found == Penetrates::Undecided))
     }
 

@@ -4,7 +4,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use impinge::mesh::{Interrupt, Options};
-use impinge::query::{self, Cache, Query};
+use impinge::query::{self, Cache, Penetrates, Query};
 use impinge::{Mesh, Pose, Positions};
 use impinge_testkit::generate::knots::{Knot, TREFOIL, torus_knot};
 
@@ -47,6 +47,41 @@ fn interrupted_queries_return_the_safe_answer_at_once() {
         assert!(some.len() < pairs.len() && ended_soon(), "{patience}: {} of {}", some.len(), pairs.len());
         assert!(some.iter().all(|pair| pairs.binary_search(pair).is_ok()));
     }
+}
+
+/// The knot touches its moved copy all along, so that many contacts have to be decided.
+#[test]
+fn interrupted_questions_about_solids_are_undecided() {
+    let mesh = knot(TREFOIL.radius);
+    let inside = mesh.at(Pose::from_translation([9.0 * TREFOIL.radius, 0.0, 0.0]).expect("a pose"));
+    let touching = mesh.at(Pose::from_translation([0.003, 0.001, 0.002]).expect("a pose"));
+    assert_eq!(query::penetrates(&mesh, touching), Penetrates::Yes);
+    let apart = query::penetrates(&mesh, inside);
+    for patience in [0, 1, 100] {
+        let asked = AtomicUsize::new(0);
+        let must_stop = || asked.fetch_add(1, Ordering::Relaxed) >= patience;
+        let ask = || Query::new().with_interrupt(Interrupt::when(&must_stop));
+        assert_ne!(ask().penetrates(&mesh, touching), Penetrates::No, "{patience}");
+        asked.store(0, Ordering::Relaxed);
+        assert_ne!(ask().penetrates(&mesh, inside), Penetrates::No, "{patience}: {apart:?}");
+        asked.store(0, Ordering::Relaxed);
+        assert!(ask().self_intersecting_pairs(&mesh).is_empty());
+    }
+    assert_eq!(query::penetrates(&mesh, inside), apart);
+}
+
+/// A pile of faces in one place, of which each intersects each other one.
+#[test]
+fn an_interrupted_search_for_self_intersections_ends_soon() {
+    let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.25, 0.25, -1.0], [0.25, 0.25, 1.0]];
+    let faces: Vec<[u32; 3]> = (0..3000).map(|i| if i % 2 == 0 { [0, 1, 2] } else { [3, 4, 1] }).collect();
+    let pile = Mesh::new(Positions::F64(corners), faces).expect("a mesh");
+    let all = query::self_intersecting_pairs(&pile).len();
+    let asked = AtomicUsize::new(0);
+    let must_stop = || asked.fetch_add(1, Ordering::Relaxed) >= 2;
+    let some = Query::new().with_interrupt(Interrupt::when(&must_stop)).self_intersecting_pairs(&pile).len();
+    assert!(some < all / 2, "{some} of {all}");
+    assert!(asked.into_inner() < 1000);
 }
 
 /// Checks that an interrupt that always returns `false` changes no answer.
