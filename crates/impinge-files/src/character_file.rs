@@ -17,7 +17,11 @@ use impinge::character::{Character, HitHull, HitPart, HitVolume, PartPlan, Plan,
 use impinge::volume::{BoundingSphere, Capsule, Lozenge, Obb};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{LoadError, Place};
+use crate::{
+    error::{LoadError, Place},
+    limits::Limits,
+    regular_file::read_regular_file,
+};
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -113,7 +117,7 @@ fn find(rig: &Rig, name: &str) -> Option<u32> {
 /// a kind of volume that does not exist.
 pub fn load_plan(path: impl AsRef<Path>, rig: &Rig) -> Result<Plan, LoadError> {
     let path = path.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|e| LoadError::io(&e).in_file(path))?;
+    let text = read_text(path)?;
     parse_plan(&text, rig).map_err(|e| e.in_file(path))
 }
 
@@ -134,7 +138,7 @@ pub fn parse_plan(text: &str, rig: &Rig) -> Result<Plan, LoadError> {
 /// are invalid.
 pub fn load_character(path: impl AsRef<Path>, rig: &Rig) -> Result<Character, LoadError> {
     let path = path.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|e| LoadError::io(&e).in_file(path))?;
+    let text = read_text(path)?;
     parse_character(&text, rig).map_err(|e| e.in_file(path))
 }
 
@@ -151,6 +155,11 @@ pub fn parse_character(text: &str, rig: &Rig) -> Result<Character, LoadError> {
         parts.push(HitPart::new(name, bones, anchor, volume, part.looseness.unwrap_or(1.0)));
     }
     Character::of_parts(rig, parts).map_err(|e| LoadError::syntax("parts of this rig", e.to_string().as_bytes()))
+}
+
+fn read_text(path: &Path) -> Result<String, LoadError> {
+    let bytes = read_regular_file(path, &Limits::default())?;
+    String::from_utf8(bytes).map_err(|e| LoadError::syntax("UTF-8 text", e.to_string().as_bytes()).in_file(path))
 }
 
 fn read(text: &str) -> Result<Vec<Part>, LoadError> {

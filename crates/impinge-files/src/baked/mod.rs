@@ -19,7 +19,6 @@ mod header;
 mod names;
 
 use std::{
-    fs::File,
     io::{self, Write},
     ops::Range,
     path::{Path, PathBuf},
@@ -32,9 +31,11 @@ use crate::memory_copy::copy as bytes_of;
 #[cfg(feature = "mmap")]
 use crate::memory_map::map as bytes_of;
 use crate::{
-    error::{LoadError, LoadErrorKind},
+    error::{LoadError, LoadErrorKind, Place},
     format::Format,
+    limits::{Limits, too_many_triangles},
     model::Model,
+    regular_file,
     unit::Unit,
 };
 pub(crate) use header::MAGIC;
@@ -83,8 +84,7 @@ impl Baked {
     pub fn open(path: impl AsRef<Path>) -> Result<Self, LoadError> {
         let path = path.as_ref().to_owned();
         let opened = || {
-            let file = File::open(&path).map_err(|e| LoadError::io(&e))?;
-            let length = file.metadata().map_err(|e| LoadError::io(&e))?.len();
+            let (file, length) = regular_file::open(&path)?;
             if length < HEADER as u64 {
                 return Err(LoadError::truncated("bytes of a header", HEADER as u64, length));
             }
@@ -284,8 +284,13 @@ pub fn write_baked(
 }
 
 /// Reads the triangles without the hierarchy.
-pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+pub(crate) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, LoadError> {
     let header = Header::read(bytes)?;
+    let triangles = header.range(Section::Faces).len() as u64 / 12;
+    if triangles > limits.triangles() {
+        let place = Place::Entry("the section of faces".into());
+        return Err(too_many_triangles(triangles, limits.triangles()).at(place));
+    }
     header.check(bytes, &[Section::Positions, Section::Faces, Section::Sources, Section::PartOf, Section::Parts])?;
     let content = |section| &bytes[header.range(section)];
     let positions = if header.is_single_precision {
