@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::error::RigError;
-use super::fit::{self, HitPart, Mode, Piece, visit_positions};
+use super::fit::{self, HitPart, Mode, Piece};
 use super::frame::Frame;
 use super::plan::{PartPlan, Plan, bones_of_faces, sample_poses};
 use super::rig::Rig;
@@ -11,6 +11,7 @@ use super::rig_pose::RigPose;
 use super::samples::PartVertices;
 use super::skeleton::BoneSet;
 use super::skin_tree::SkinTree;
+use super::visit::visit_positions;
 use crate::math::vec3::length;
 
 /// The hit volumes of a rigged character.
