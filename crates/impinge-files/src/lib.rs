@@ -91,6 +91,7 @@ pub use replace::replace_file;
 pub use unit::{Unit, UnknownUnit};
 
 use impinge::character::Rig;
+use limits::OF_FILE;
 use model::Warnings;
 
 /// Loads the triangles of a file. Detects the format by content, then by extension.
@@ -221,7 +222,7 @@ pub fn parse_by_content(bytes: &[u8]) -> Result<Model, LoadError> {
 fn read(bytes: &[u8], named: &Named, folder: Option<&Path>, limits: &Limits) -> Result<Model, LoadError> {
     let mut warnings = Warnings::default();
     let file_size = bytes.len() as u64;
-    limits.check_bytes("bytes of the file", file_size)?;
+    limits.check_bytes(OF_FILE, file_size)?;
     let unpacked = unpack(bytes, limits, &mut warnings)?;
     let bytes = unpacked.as_deref().unwrap_or(bytes);
     let Some(actual) = Format::of_content(bytes).or(named.format) else {

@@ -32,6 +32,9 @@ pub struct Limits {
 /// Default maximum number of triangles.
 const MAX_TRIANGLES: u64 = 1 << 31;
 
+/// Name of the bytes of a file in errors.
+pub(crate) const OF_FILE: &str = "bytes of the file";
+
 /// Advice for a file with too many triangles.
 const RAISE_TRIANGLES: &str = "if you trust the file, load it with a larger max_triangles";
 

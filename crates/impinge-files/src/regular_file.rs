@@ -8,7 +8,7 @@ use std::{
 
 use crate::{
     error::{LoadError, LoadErrorKind},
-    limits::Limits,
+    limits::{Limits, OF_FILE},
 };
 
 /// Reads the bytes of a regular file.
@@ -30,9 +30,6 @@ fn read(path: &Path, limits: &Limits) -> Result<Vec<u8>, LoadError> {
     limits.check_bytes(OF_FILE, bytes.len() as u64)?;
     Ok(bytes)
 }
-
-/// Name of the bytes of a file in errors.
-const OF_FILE: &str = "bytes of the file";
 
 /// Appends the first `max` bytes of a file whose size is about `len`.
 pub(crate) fn read_up_to(file: &File, len: u64, max: u64, bytes: &mut Vec<u8>) -> Result<(), LoadError> {

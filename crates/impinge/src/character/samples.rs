@@ -144,8 +144,12 @@ fn steps(rig: &Rig, parts: &[PartVertices], spans: &[Vec<JointSpan>]) -> u64 {
         let depth = |span: &JointSpan| u64::from(skeleton.depth(skin.joints()[span.joint as usize].bone));
         spans.iter().map(|span| depth(span) + u64::from(skeleton.depth(part.anchor))).sum()
     };
-    let of_pose = skeleton.bones().len() + skin.joints().len() + skin.positions().len() + offsets;
-    (of_pose + parts.iter().map(influences).sum::<usize>()) as u64 + parts.iter().zip(spans).map(paths).sum::<u64>()
+    let held: usize = parts.iter().map(|part| part.vertices.len()).sum();
+    // Copying a vertex, moving it by a morph target or following a joint takes about an eighth of a
+    // step.
+    let eighths = skin.positions().len() + offsets + parts.iter().map(influences).sum::<usize>();
+    let of_pose = skeleton.bones().len() + skin.joints().len() + held + eighths / 8;
+    of_pose as u64 + parts.iter().zip(spans).map(paths).sum::<u64>()
 }
 
 /// Returns the joints that the vertices of each part follow.

@@ -2,18 +2,20 @@
 //! rig's size. A few keys and a few vertices would otherwise cost time proportional to their
 //! product.
 //!
-//! Tests: those of this file, and `impinge-files/tests/it/hostile_rigs.rs`.
+//! Tests: `impinge-files/tests/it/characters/many_keys.rs`.
 
 use super::error::{RigError, RigErrorKind, RigPlace};
 use super::rig::Rig;
 
-/// Work that every rig may take, in steps. A step is a vertex or bone at one sample, and takes about
-/// 0.2 microseconds. Larger values let small hostile rigs take longer; smaller ones reject rigs
-/// with long animations.
-const BASE: u64 = 1 << 25;
+/// Work that every rig may take, in steps. A step is a vertex or bone at one sample, and takes 0.1 to
+/// 0.2 microseconds. A larger value lets small hostile rigs take longer; a smaller one makes the
+/// volumes of small rigs with fast motions larger.
+const BASE: u64 = 1 << 24;
 
-/// Additional steps for each number of the rig. The robot of the examples takes 20.
-const PER_NUMBER: u64 = 256;
+/// Additional steps for each number of the rig. The robot of the examples takes up to 40, and an
+/// hour of motion of a body with 20,000 vertices about 300. A larger value lets hostile rigs take
+/// longer; a smaller one rejects long animations.
+const PER_NUMBER: u64 = 512;
 
 /// The work that is left.
 #[derive(Clone, Copy, Debug)]
