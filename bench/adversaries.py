@@ -1,15 +1,21 @@
-"""The meshes that are hardest for hierarchies of boxes: surfaces that nearly coincide, slivers across everything, slivers alone."""
+"""Meshes that are hard for hierarchies of boxes: surfaces that nearly coincide, and slivers."""
 
 import numpy as np
 from torus_knot import torus_knot
 
-BUMP = 0.05  # of the sphere's radius; without bumps it would meet itself turned everywhere and nowhere
-SHRUNK = 1e-3  # the knot beside the box that the slivers cross
-SLIVER = (0.003, 0.002, 0.0)  # the short side of each
+# Height of the bumps, relative to the radius of the sphere. A sphere without bumps would coincide
+# with its rotated copy.
+BUMP = 0.05
+SHRUNK = 1e-3  # scale of the knot among the slivers, which cross a unit box
+SLIVER = (0.003, 0.002, 0.0)  # short edge of each sliver
 
 
 def bumpy_sphere(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Returns float64 vertices and (12 * n * n, 3) int32 faces: a cube's six sides of n quads each way, blown up."""
+    """Return float64 vertices (k, 3) and int32 faces (12 * n * n, 3) of a bumpy sphere.
+
+    Its radius is about 1. It is a cube whose sides are grids of n by n quads, projected onto the
+    sphere.
+    """
     grid = np.tan(np.linspace(-np.pi / 4, np.pi / 4, n + 1))
     x, y = (side.ravel() for side in np.meshgrid(grid, grid, indexing="ij"))
     one = np.ones_like(x)
@@ -29,7 +35,11 @@ def bumpy_sphere(n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def stadium(nu: int, nv: int, slivers: int) -> tuple[np.ndarray, np.ndarray]:
-    """A tiny torus knot of nu by nv quads amid long slivers, by chance, that cross a box a thousand times as large."""
+    """Return vertices and faces of a tiny torus knot of nu by nv quads among long random slivers.
+
+    The knot is in the middle of a unit box that the slivers cross. Its size is `SHRUNK` times that
+    of the usual knot. Equal arguments give equal meshes.
+    """
     vertices, faces = torus_knot(nu, nv)
     rng = np.random.default_rng(7)
     starts, ends = rng.random((slivers, 3)), rng.random((slivers, 3))
@@ -39,7 +49,10 @@ def stadium(nu: int, nv: int, slivers: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def rod(facets: int) -> tuple[np.ndarray, np.ndarray]:
-    """A rod along x of length 20 and radius one, without ends: two slivers a facet, each as long as the rod."""
+    """Return vertices and faces of a rod along x, of length 20 and radius 1, without end caps.
+
+    Each facet consists of two slivers, each as long as the rod.
+    """
     angle = 2.0 * np.pi * np.arange(facets) / facets
     ends = [np.stack([np.full(facets, x), np.cos(angle), np.sin(angle)], axis=-1) for x in (-10.0, 10.0)]
     low = np.arange(facets, dtype=np.int32)

@@ -1,13 +1,16 @@
-"""Frames of crowds of 100 to 10,000 animated characters, all against all, and 1,000 rays, on two threads, as a plot.
+"""Frames of crowds of 100 to 10,000 animated characters, on two threads, as a plot.
 
-.venv/bin/python bench/crowds.py
+In each frame all characters are tested against each other, and 1,000 rays are cast.
+
+    .venv/bin/python bench/crowds.py
 """
 
 import json
 
 import plots
+import record
+from about import circumstances, output
 from matplotlib.axes import Axes
-from rivals import circumstances, output
 
 SERIES = [
     ("pose", "posing", "#4269d0", -6),
@@ -16,24 +19,22 @@ SERIES = [
     ("rays", "1,000 rays", "#a463f2", -4),
     ("all", "all", "#1b1e23", -4),
 ]
-"""What a row calls it, what the plot does, its colour, and how far above its line's end its name stands, in points."""
+"""Key of a phase in a row, its label and color in the plot, and the height of the label above the
+end of the line, in points."""
 
-TITLES = (
-    "crowds",
-    "Crowds of characters",
-    "Two threads; the least of the frames.",
-)
-"""The record's name, its head, and a note."""
+NOTE = "Two threads; minimum of the frames."
 
 
 def measure(repeats: int) -> list[dict[str, float]]:
+    """Run the benchmark program; return a row for each crowd, with the minimum times in seconds."""
     command = ["cargo", "run", "--quiet", "--release", "-p", "impinge-bench", "--bin", "characters", "--", "--json"]
     return [json.loads(line) for line in output(*command, "--repeats", str(repeats)).splitlines()]
 
 
 def table(rows: list[dict[str, float]]) -> str:
+    """Return a Markdown table with a row for each crowd."""
     names = [name for _, name, _, _ in SERIES]
-    lines = ["| characters | " + " | ".join(names) + " | pairs of parts that meet |", "|" + "---|" * 7]
+    lines = ["| characters | " + " | ".join(names) + " | intersecting pairs of parts |", "|" + "---|" * 7]
     for row in rows:
         cells = [f"{row['characters']:,}", *(f"{row[key] * 1e3:.3g} ms" for key, _, _, _ in SERIES)]
         lines.append("| " + " | ".join([*cells, f"{row['pairs_of_parts']:,}"]) + " |")
@@ -41,6 +42,7 @@ def table(rows: list[dict[str, float]]) -> str:
 
 
 def drawn(rows: list[dict[str, float]]) -> Axes:
+    """Draw the time of each phase over the number of characters."""
     axes = plots.blank()
     counts = [row["characters"] for row in rows]
     for key, name, colour, above in SERIES:
@@ -55,13 +57,23 @@ def drawn(rows: list[dict[str, float]]) -> Axes:
     return axes
 
 
+def write_rows(rows: list[dict[str, float]]) -> None:
+    """Record the minimum time of each phase of a frame, and the number of intersecting parts."""
+    for row in rows:
+        case = f"{row['characters']} characters"
+        for key, name, _, _ in SERIES:
+            record.row(case, f"{name} minimum", "s", row[key])
+        record.row(case, "intersecting pairs of parts", "1", row["pairs_of_parts"])
+
+
 def main() -> None:
-    parser = plots.arguments(__doc__, TITLES[0])
-    parser.add_argument("--repeats", type=int, default=30, help="frames of each crowd, of which the least counts")
+    parser = plots.arguments(__doc__, "crowds")
+    parser.add_argument("--repeats", type=int, default=30, help="frames of each crowd; the minimum counts")
     options = parser.parse_args()
     about = circumstances()
     answer = measure(options.repeats)
-    plots.keep(drawn(answer), table(answer), about, options, TITLES)
+    plots.keep(drawn(answer), table(answer), about, NOTE, options.picture)
+    write_rows(answer)
 
 
 if __name__ == "__main__":

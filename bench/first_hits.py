@@ -1,13 +1,14 @@
-"""First hits of real meshes in one run, one thread each: impinge, python-fcl and Coal.
+"""Compare the first hits of real meshes: impinge, python-fcl and Coal in one run, on one thread.
 
     python3 -m venv .venv && .venv/bin/pip install -r bench/requirements.txt .
     IMPINGE_DATA=... .venv/bin/python bench/first_hits.py
 
-The meshes are read from the folder that IMPINGE_DATA names. One of two is turned by chance and moved along a line by
-chance until the two just touch, which halving finds. Asked is where they are deep in each other (half of that way),
-just in touch, just apart, and plainly apart. FCL and Coal get their objects beforehand and are called once a pose from
-a loop in Python, impinge gets all poses in one call. What the loops take where meshes are plainly apart is mostly
-Python. The answers are compared.
+The meshes are read from the folder that IMPINGE_DATA names. One mesh is rotated at random and moved
+along a random line. Bisection finds the distance at which the two just touch. Four distances are
+timed: deep in each other (half of that distance), just in touch, just apart, and plainly apart. FCL
+and Coal get their objects beforehand, and a Python loop calls them once for each pose. impinge gets
+all poses in one call. If the meshes are plainly apart, most of the loops' time is Python's. The
+answers are compared.
 """
 
 import argparse
@@ -21,21 +22,26 @@ import coal
 import fcl
 import impinge
 import numpy as np
+import record
+from about import circumstances
 from poses import fcl_model
-from rivals import circumstances, seconds
+from rivals import seconds
 
 WAYS = ("deep", "just in touch", "just apart", "plainly apart")
-NEAR = 1e-3  # how far "just" is, of the size of the first mesh
-HALVINGS = 16
+NEAR = 1e-3  # distance from touching of the "just" poses, relative to the size of the first mesh
+HALVINGS = 16  # steps of the bisection
 
 
 @dataclass
 class Scene:
+    """Two meshes; the second one moves."""
+
     name: str
     meshes: tuple[impinge.Mesh, impinge.Mesh]
 
 
 def scenes(folder: Path) -> list[Scene]:
+    """Load the pairs of meshes from the data folder."""
     load = {
         "env": folder / "nasty" / "fcl_resources" / "env.obj",
         "rob": folder / "nasty" / "fcl_resources" / "rob.obj",
@@ -44,7 +50,7 @@ def scenes(folder: Path) -> list[Scene]:
         "igea": folder / "meshes" / "igea.ply",
     }
     meshes = {name: impinge.load(path) for name, path in load.items()}
-    # A quarter as large as the human, by a power of two, which rounds nothing.
+    # Scale to about a quarter of the human, by a power of two, which is exact.
     human, bunny = meshes["human"].vertices, meshes["bunny"].vertices
     scale = 2.0 ** np.round(np.log2(np.ptp(human, axis=0).max() / 4 / np.ptp(bunny, axis=0).max()))
     small = impinge.Mesh(bunny * scale, meshes["bunny"].faces)
@@ -54,7 +60,7 @@ def scenes(folder: Path) -> list[Scene]:
 
 
 def poses(scene: Scene, count: int) -> dict[str, np.ndarray]:
-    """(count, 4, 4) poses of the second mesh, for each way."""
+    """Return (count, 4, 4) poses of the second mesh, world from mesh, for each kind of distance."""
     rng = np.random.default_rng(7)
     turns = rng.normal(size=(count, 4))
     turns /= np.linalg.norm(turns, axis=1)[:, None]
@@ -81,6 +87,7 @@ def poses(scene: Scene, count: int) -> dict[str, np.ndarray]:
 
 
 def fcl_loop(scene: Scene) -> Callable[[np.ndarray], list[bool]]:
+    """Return a loop that asks python-fcl at each pose whether the meshes collide."""
     a, b = (fcl.CollisionObject(fcl_model(mesh)) for mesh in scene.meshes)
     request = fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
 
@@ -95,6 +102,8 @@ def fcl_loop(scene: Scene) -> Callable[[np.ndarray], list[bool]]:
 
 
 def coal_loop(scene: Scene) -> Callable[[np.ndarray], list[bool]]:
+    """Return a loop that asks Coal at each pose whether the meshes collide."""
+
     def model(mesh: impinge.Mesh) -> coal.BVHModelOBBRSS:
         model = coal.BVHModelOBBRSS()
         model.beginModel(mesh.face_count, mesh.vertex_count)
@@ -119,6 +128,7 @@ def coal_loop(scene: Scene) -> Callable[[np.ndarray], list[bool]]:
 
 
 def impinge_call(scene: Scene) -> Callable[[np.ndarray], list[bool]]:
+    """Return a call that asks impinge at all poses whether the meshes intersect."""
     return lambda world_from_b: impinge.intersects(*scene.meshes, None, world_from_b).tolist()
 
 
@@ -126,9 +136,10 @@ ENGINES = {"impinge": impinge_call, "python-fcl": fcl_loop, "Coal": coal_loop}
 
 
 def main() -> int:
+    """Print the table; return 1 if an answer differs, otherwise 0."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--poses", type=int, default=300, help="of each way")
-    parser.add_argument("--repeats", type=int, default=5, help="runs of each; the least time counts")
+    parser.add_argument("--poses", type=int, default=300, help="number of poses of each kind")
+    parser.add_argument("--repeats", type=int, default=5, help="runs of each; the minimum time counts")
     options = parser.parse_args()
     folder = os.environ.get("IMPINGE_DATA")
     if folder is None:
@@ -146,6 +157,7 @@ def main() -> int:
                     answers[name] = ask(world_from_b)
                     least = min(seconds(lambda ask=ask, at=world_from_b: ask(at)) for _ in range(options.repeats))
                 times.append(f"{least / options.poses * 1e6:.2f}")
+                record.row(f"{scene.name}: {way}", "pose minimum", "s", least / options.poses, name)
             print(f"| {scene.name} | {way} | {' | '.join(times)} |", flush=True)
             for name, found in answers.items():
                 differing = sum(a != b for a, b in zip(found, answers["impinge"], strict=True))

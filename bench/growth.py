@@ -1,19 +1,22 @@
-"""Build, refit and all pairs of impinge on torus knots from 10,000 to 8,000,000 triangles, on one thread, as a plot.
+"""Build, refit and all pairs of impinge on torus knots, on one thread, as a plot.
 
     .venv/bin/python bench/growth.py
 
-A knot is set against itself moved, deep in each other, as in rivals.py. A knot twice as fine along and round its tube has four
-times the triangles, and its curves of intersection pass twice as many pairs of them.
+The knots have from 10,000 to 8,000,000 triangles. Each is tested against a moved copy, deep in each
+other, as in rivals.py. A knot that is twice as fine along and around its tube has four times as
+many triangles, and twice as many intersecting pairs along the curves of intersection.
 """
 
 import json
 
 import plots
+import record
+from about import circumstances, output
 from matplotlib.axes import Axes
-from rivals import KNOT_POSES, circumstances, output
+from rivals import KNOT_POSES
 
 SIZES = [(140, 36), (316, 79), (632, 158), (1412, 354), (2000, 500), (4000, 1000)]
-"""Quads along the knot and round its tube."""
+"""Numbers of quads along each knot and around its tube."""
 
 SERIES = [
     ("build_seconds", "build", "#4269d0"),
@@ -21,16 +24,11 @@ SERIES = [
     ("all_pairs_seconds", "all pairs", "#ff725c"),
 ]
 
-TITLES = (
-    "growth",
-    "How impinge grows",
-    "One thread; the least of the runs; two torus knots deep in each other.",
-)
-"""The record's name, its head, and a note."""
+NOTE = "One thread; minimum of the runs; two torus knots deep in each other."
 
 
 def measure(along: int, around: int, repeats: int) -> dict[str, float]:
-    """The least seconds of each, the pairs, and the triangles."""
+    """Return the minimum seconds of each phase, and the numbers of pairs and of triangles."""
     pose = KNOT_POSES[0]
     numbers = ",".join(repr(x) for x in (*pose.translation, *pose.quaternion))
     command = ["cargo", "run", "--quiet", "--release", "-p", "impinge-bench", "--bin", "headline", "--", "--json"]
@@ -41,6 +39,7 @@ def measure(along: int, around: int, repeats: int) -> dict[str, float]:
 
 
 def table(rows: list[dict[str, float]]) -> str:
+    """Return a Markdown table with a row for each size."""
     lines = ["| triangles | build | a triangle | refit | all pairs | pairs | a pair |", "|" + "---|" * 7]
     for row in rows:
         build, refit, pairs = (row[key] for key, _, _ in SERIES)
@@ -58,6 +57,7 @@ def table(rows: list[dict[str, float]]) -> str:
 
 
 def drawn(rows: list[dict[str, float]]) -> Axes:
+    """Draw the times over the number of triangles, beside linear and square-root growth."""
     axes = plots.blank()
     triangles = [row["triangles"] for row in rows]
     for key, name, colour in SERIES:
@@ -76,13 +76,23 @@ def drawn(rows: list[dict[str, float]]) -> Axes:
     return axes
 
 
+def write_rows(rows: list[dict[str, float]]) -> None:
+    """Record the minimum time of each phase, and the number of pairs."""
+    for row in rows:
+        case = f"{row['triangles']} triangles"
+        for key, name, _ in SERIES:
+            record.row(case, f"{name} minimum", "s", row[key])
+        record.row(case, "pairs", "1", row["pairs"])
+
+
 def main() -> None:
-    parser = plots.arguments(__doc__, TITLES[0])
-    parser.add_argument("--repeats", type=int, default=9, help="runs of each, of which the least counts")
+    parser = plots.arguments(__doc__, "growth")
+    parser.add_argument("--repeats", type=int, default=9, help="runs of each; the minimum counts")
     options = parser.parse_args()
     about = circumstances()
     answer = [measure(along, around, options.repeats) for along, around in SIZES]
-    plots.keep(drawn(answer), table(answer), about, options, TITLES)
+    plots.keep(drawn(answer), table(answer), about, NOTE, options.picture)
+    write_rows(answer)
 
 
 if __name__ == "__main__":

@@ -1,16 +1,17 @@
-"""All pairs of 1,000 to 10,000,000 boxes that all move, by impinge's sweep of columns and by parry3d, on one thread, as a plot.
+"""All pairs of boxes that all move: impinge's sweep of columns and parry3d, as a plot.
 
     .venv/bin/python bench/growth_worlds.py
 
-Each box meets about one other; sizes are alike, or spread over a ratio of 1,000. parry3d is left out
-where it would take gigabytes.
+There are from 1,000 to 10,000,000 boxes, on one thread. Each box overlaps about one other. Sizes
+are similar, or spread over a ratio of 1,000. parry3d is skipped if it would need gigabytes.
 """
 
 import json
 
 import plots
+import record
+from about import circumstances, output
 from matplotlib.axes import Axes
-from rivals import circumstances, output
 
 SIZES = [1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000]
 
@@ -20,25 +21,21 @@ SERIES = [
     ("like", "parry", "parry3d", "#ff725c", "-"),
     ("pareto", "parry", "parry3d, spread sizes", "#efb118", "-"),
 ]
-"""Scene, key of the seconds, label, colour, line."""
+"""Scene, key of the time in a row, label, color and line style."""
 
 Answer = dict[str, list[dict[str, float]]]
 
-TITLES = (
-    "growth-worlds",
-    "How all pairs of moving boxes grow",
-    "One thread, processor time, the least of the steps; pairs compared with parry3d's where that runs.",
-)
-"""The record's name, its head, and a note."""
+NOTE = "One thread, processor time, minimum of the steps. Pairs are compared with those of parry3d if it runs."
 
 
 def measure(steps: int) -> Answer:
-    """The least seconds of a step for every scene and number of boxes."""
+    """Return the minimum seconds of a step for each scene and number of boxes."""
     command = ["cargo", "run", "--quiet", "--release", "-p", "impinge-bench", "--bin", "partitions", "--", "--json"]
     return json.loads(output(*command, "--steps", str(steps), "--counts", ",".join(str(size) for size in SIZES)))
 
 
 def table(answer: Answer) -> str:
+    """Return a Markdown table with a row for each scene and number of boxes."""
     lines = ["| sizes | boxes | pairs | columns | a box | parry3d | ratio |", "|" + "---|" * 7]
     for scene, rows in answer.items():
         for row in rows:
@@ -56,6 +53,7 @@ def table(answer: Answer) -> str:
 
 
 def drawn(answer: Answer) -> Axes:
+    """Draw the time for each box over the number of boxes."""
     axes = plots.blank()
     for scene, key, label, colour, line in SERIES:
         rows = [row for row in answer[scene] if row[key]]
@@ -69,13 +67,25 @@ def drawn(answer: Answer) -> Axes:
     return axes
 
 
+def write_rows(answer: Answer) -> None:
+    """Record the numbers of pairs, and the minimum time of a step of each engine."""
+    for scene, rows in answer.items():
+        for row in rows:
+            case = f"{scene}, {row['boxes']} boxes"
+            record.row(case, "pairs", "1", row["pairs"])
+            for key, engine in (("columns", "impinge"), ("parry", "parry3d")):
+                if row[key]:
+                    record.row(case, "step minimum", "s", row[key], engine)
+
+
 def main() -> None:
-    parser = plots.arguments(__doc__, TITLES[0])
-    parser.add_argument("--steps", type=int, default=9, help="steps of 300,000 boxes, of which the least counts")
+    parser = plots.arguments(__doc__, "growth-worlds")
+    parser.add_argument("--steps", type=int, default=9, help="steps of 300,000 boxes; the minimum counts")
     options = parser.parse_args()
     about = circumstances()
     answer = measure(options.steps)
-    plots.keep(drawn(answer), table(answer), about, options, TITLES)
+    plots.keep(drawn(answer), table(answer), about, NOTE, options.picture)
+    write_rows(answer)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,13 @@
-"""qhull (scipy.spatial.ConvexHull) and impinge on the same points in one run, one thread each.
+"""Compare qhull (scipy.spatial.ConvexHull) and impinge on the same points, on one thread each.
 
     python3 -m venv .venv && .venv/bin/pip install -r bench/requirements.txt
     IMPINGE_DATA=... .venv/bin/python bench/hulls.py
 
-The points are the vertices of the human that travels with the project, of the CAD parts and scans of the data folder where
-IMPINGE_DATA names one, and of clouds made here. Both get the same doubles, qhull as an array and impinge as a file of
-them, and the times are those of the call alone. The numbers of vertices are compared: qhull merges facets that are flat up
-to its tolerance, so it may leave out vertices that are extreme by less.
+The points are random clouds, the vertices of the human mesh of the repository and, if IMPINGE_DATA
+names the data folder, those of its CAD parts and scans. Both engines get the same doubles, qhull as
+an array and impinge as a file. Only the call itself is timed. The numbers of vertices are compared:
+qhull merges facets that are flat within its tolerance, so it may leave out vertices that are
+extreme by less.
 """
 
 import argparse
@@ -16,21 +17,24 @@ import os
 import subprocess
 import sys
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rivals import ROOT, circumstances, spread
+import record
+from about import ROOT, circumstances, print_circumstances
+from rivals import spread
 from scipy.spatial import ConvexHull
 from torus_knot import torus_knot
 
-TOLERANCE = 0.01  # share of vertices by which qhull may differ, which merges what is nearly flat
+TOLERANCE = 0.01  # share of vertices by which qhull may differ, because it merges nearly flat facets
+# Little-endian NumPy types of the properties of a PLY file.
 PLY_TYPES = {"float": "<f4", "float32": "<f4", "double": "<f8", "float64": "<f8", "uchar": "u1", "uint8": "u1"}
 
 
 @dataclass
 class Timing:
-    """One set of points; both lists hold the seconds of single runs."""
+    """Result for one set of points. Both lists contain the seconds of single runs."""
 
     name: str
     points: int
@@ -41,7 +45,7 @@ class Timing:
 
 
 def ply_points(path: Path) -> np.ndarray:
-    """The vertices of a binary PLY file, packed or not, as (n, 3) doubles."""
+    """Return the vertices of a binary PLY file, optionally compressed as .gz, as (n, 3) doubles."""
     data = gzip.open(path).read() if path.suffix == ".gz" else path.read_bytes()
     end = data.index(b"end_header\n") + len(b"end_header\n")
     element, count, fields = "", 0, []
@@ -56,6 +60,7 @@ def ply_points(path: Path) -> np.ndarray:
 
 
 def sets() -> dict[str, np.ndarray]:
+    """Return the sets of points, (n, 3), by name."""
     rng = np.random.default_rng(1)
     sphere = rng.normal(size=(200_000, 3))
     sphere /= np.linalg.norm(sphere, axis=1)[:, None]
@@ -74,6 +79,7 @@ def sets() -> dict[str, np.ndarray]:
 
 
 def measure(name: str, points: np.ndarray, repeats: int) -> Timing:
+    """Time both engines on a set of points."""
     folder = ROOT / "target" / "hulls"
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "points.f64"
@@ -91,7 +97,7 @@ def measure(name: str, points: np.ndarray, repeats: int) -> Timing:
 
 
 def table(timings: list[Timing]) -> str:
-    """Medians and, in brackets, minima; the ratio is that of the medians."""
+    """Return a Markdown table of medians and, in brackets, minima; the ratio is that of medians."""
     rows = ["| points of | points | vertices | qhull's | impinge, ms | qhull, ms | ratio |", "|" + "---|" * 7]
     for t in timings:
         ratio = np.median(t.qhull_seconds) / np.median(t.impinge_seconds)
@@ -102,32 +108,32 @@ def table(timings: list[Timing]) -> str:
 
 
 def main() -> int:
+    """Print the table; return 1 if the numbers of vertices differ, otherwise 0."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--repeats", type=int, default=5, help="runs of each hull")
     parser.add_argument("--sets", nargs="+", help="only these sets of points")
-    parser.add_argument("--record", type=Path, default=ROOT / "bench" / "record", help="folder of the dated records")
     options = parser.parse_args()
 
     about = circumstances("scipy")
     chosen = {name: points for name, points in sets().items() if not options.sets or name in options.sets}
     timings = [measure(name, points, options.repeats) for name, points in chosen.items()]
     problems = [
-        f"{t.name}: qhull has {t.qhull_vertices} vertices where {t.vertices} are expected"
+        f"{t.name}: qhull has {t.qhull_vertices} vertices; {t.vertices} are expected"
         for t in timings
         if abs(t.qhull_vertices - t.vertices) > TOLERANCE * t.vertices
     ]
-    text = table(timings)
-    print(text)
+    print_circumstances(about, "One thread; median (minimum) of the runs; the ratio is qhull's median over impinge's.")
+    print(table(timings))
+    for t in timings:
+        record.row(t.name, "points", "1", t.points)
+        for engine, vertices, runs in (
+            ("impinge", t.vertices, t.impinge_seconds),
+            ("qhull", t.qhull_vertices, t.qhull_seconds),
+        ):
+            record.row(t.name, "vertices", "1", vertices, engine)
+            record.seconds(t.name, "hull", runs, engine)
     for problem in problems:
         print(f"error: {problem}", file=sys.stderr)
-    options.record.mkdir(parents=True, exist_ok=True)
-    path = options.record / f"{about['date']}-hulls.md"
-    lines = [f"# Convex hulls beside qhull, {about['date']}", ""]
-    lines += [f"- {name}: `{value}`" for name, value in about.items() if name != "date"]
-    lines += ["", "One thread; median (minimum) of the runs; the ratio is qhull's median over impinge's.", "", text]
-    path.write_text("\n".join(lines) + "\n")
-    path.with_suffix(".json").write_text(json.dumps({"about": about, "timings": [asdict(t) for t in timings]}) + "\n")
-    print(f"recorded in {path}")
     return 1 if problems else 0
 
 

@@ -1,12 +1,13 @@
-"""How long one call from Python takes at one pose: impinge beside python-fcl, in turns in one run.
+"""Time of one call from Python at one pose: impinge and python-fcl, in turn, in one run.
 
     python3 -m venv .venv && .venv/bin/pip install -r bench/requirements.txt .
     .venv/bin/python bench/latency.py
 
-Two wavy sheets of the same number of faces, one above the other: apart, near each other (the question is `within` at
-less than the gap, and `distance`), and crossing (the first hit, and all pairs; FCL gets room for all its contacts). FCL gets its
-objects beforehand. Shown is the median of the calls in microseconds. The answers are compared: the numbers of pairs to
-2 percent, as FCL decides by tolerances.
+The meshes are two wavy sheets of the same number of faces. They are one above the other, or
+crossing. Apart, the queries are `intersects`, `within` at less than the gap, and `distance`.
+Crossing, they are the first hit and all pairs, where FCL may return all its contacts. FCL gets its
+objects beforehand. The table shows the median of the calls in microseconds. The answers are
+compared; numbers of pairs may differ by 2 percent, because FCL decides by tolerances.
 """
 
 import argparse
@@ -18,17 +19,18 @@ from dataclasses import dataclass
 import fcl
 import impinge
 import numpy as np
+import record
+from about import circumstances
 from poses import fcl_model
-from rivals import circumstances
 
 FACES = (2, 12, 2_000, 20_000, 200_000, 2_000_000)
-GAP = 0.25
-BUDGET = 1.0  # seconds for each question of each size
+GAP = 0.25  # distance of the sheets that are apart
+BUDGET = 1.0  # seconds for each query of each size
 
 
 @dataclass
 class Asked:
-    """A question as both are asked it."""
+    """A query as a call of each engine, and a function that compares the two answers."""
 
     name: str
     ours: Callable[[], object]
@@ -37,7 +39,7 @@ class Asked:
 
 
 def sheet(faces: int) -> impinge.Mesh:
-    """Return a square with waves of height 0.1 in about as many faces."""
+    """Return a square of side 2 with waves of height 0.1, with about `faces` faces."""
     n = max(1, round((faces / 2) ** 0.5))
     at = np.linspace(-1, 1, n + 1)
     x, y = (axis.ravel() for axis in np.meshgrid(at, at, indexing="ij"))
@@ -47,7 +49,7 @@ def sheet(faces: int) -> impinge.Mesh:
 
 
 def questions(mesh: impinge.Mesh) -> list[Asked]:
-    """Return all questions about a sheet and its copy."""
+    """Return all queries about a sheet and its moved copy."""
     model = fcl_model(mesh)
     one = fcl.CollisionObject(model)
 
@@ -73,12 +75,12 @@ def questions(mesh: impinge.Mesh) -> list[Asked]:
     same = lambda a, b: bool(a) == bool(b)  # noqa: E731
     near = lambda a, b: abs(a.upper - b) < 1e-9  # noqa: E731
     return [
-        Asked("intersects: apart", lambda: impinge.intersects(mesh, mesh, pose_b=above), hits(1, far), same),
-        Asked("intersects: crossing", lambda: impinge.intersects(mesh, mesh, pose_b=across), hits(1, crossing), same),
+        Asked("intersects, apart", lambda: impinge.intersects(mesh, mesh, pose_b=above), hits(1, far), same),
+        Asked("intersects, crossing", lambda: impinge.intersects(mesh, mesh, pose_b=across), hits(1, crossing), same),
         Asked("within, false", lambda: impinge.within(mesh, mesh, 0.1, pose_b=above), lambda: gap(far)() <= 0.1, same),
         Asked("distance", lambda: impinge.distance(mesh, mesh, pose_b=above), gap(far), near),
         Asked(
-            "pairs: crossing",
+            "pairs, crossing",
             lambda: impinge.intersecting_pairs(mesh, mesh, pose_b=across),
             hits(room, crossing),
             lambda pairs, count: abs(len(pairs) - count) <= 0.02 * count + 4,
@@ -87,7 +89,7 @@ def questions(mesh: impinge.Mesh) -> list[Asked]:
 
 
 def medians(asked: Asked) -> list[float]:
-    """Return the median seconds of a call of either."""
+    """Return the median seconds of a call of impinge, and of one of python-fcl."""
     taken: list[list[float]] = [[], []]
     begun = time.perf_counter()
     while len(taken[0]) < 3 or (time.perf_counter() - begun < BUDGET and len(taken[0]) < 500):
@@ -99,7 +101,7 @@ def medians(asked: Asked) -> list[float]:
 
 
 def main() -> None:
-    """Print the table."""
+    """Print the table, and exit with an error if two answers differ."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--faces", type=int, nargs="*", default=FACES)
     arguments = parser.parse_args()
@@ -113,7 +115,12 @@ def main() -> None:
             if not asked.agree(ours, theirs):
                 raise SystemExit(f"{asked.name} of {faces} faces: {ours} and {theirs} differ")
             one, other = medians(asked)
-            print(f"| {len(mesh.faces)} | {asked.name} | {one * 1e6:.1f} | {other * 1e6:.1f} | {one / other:.2f} |", flush=True)
+            print(
+                f"| {len(mesh.faces)} | {asked.name} | {one * 1e6:.1f} | {other * 1e6:.1f} | {one / other:.2f} |",
+                flush=True,
+            )
+            for engine, median in (("impinge", one), ("python-fcl", other)):
+                record.row(f"{len(mesh.faces)} faces: {asked.name}", "call median", "s", median, engine)
 
 
 if __name__ == "__main__":

@@ -1,39 +1,39 @@
-"""Ten thousand poses of env.obj against rob.obj: one call of impinge, and a Python loop over python-fcl.
+"""Ten thousand poses of two meshes: one call of impinge, and a Python loop over python-fcl.
 
     python3 -m venv .venv && .venv/bin/pip install -r bench/requirements.txt .
     IMPINGE_DATA=... .venv/bin/python bench/poses.py
 
-The meshes are those of FCL's own tests, 2,180 and 216 triangles, read from the folder that IMPINGE_DATA names. Poses
-are random and rigid; a fair share of them collides. FCL gets its objects built beforehand and a new transform for each
-pose, the least that a loop can do. Answers are compared: every pair that only one of the two reports is listed, with
-what rational arithmetic says of it, and every distance that differs.
+The meshes, env.obj and rob.obj of FCL's own tests, have 2,180 and 216 triangles. They are read from
+the folder that IMPINGE_DATA names. Poses are random and rigid, and many of them collide. FCL's
+objects are built beforehand and only get a new transform for each pose, the minimum that a loop can
+do. The answers are compared. Every pair of faces that only one engine reports is listed, with the
+exact answer by rational arithmetic; so is every distance that differs.
 """
 
 import argparse
 import os
-import platform
-import shlex
 import sys
 import time
 from collections.abc import Callable
-from datetime import date
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import fcl
 import impinge
 import numpy as np
+import record
+from about import circumstances
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python" / "tests"))
 from oracles import oracle_pairs
 from shapes import random_poses
 
-NO_LIMIT = 10**6  # contacts, more than any pose here has
-DISTANCE_TOLERANCE = 1e-6  # of the largest extent: what FCL is trusted with
+NO_LIMIT = 10**6  # number of contacts; more than any pose has
+DISTANCE_TOLERANCE = 1e-6  # allowed error of FCL's distances, relative to the largest extent
 
 
 def fcl_model(mesh: impinge.Mesh) -> fcl.BVHModel:
+    """Return a mesh as a model of python-fcl, in double precision."""
     model = fcl.BVHModel()
     model.beginModel(mesh.face_count, mesh.vertex_count)
     model.addSubModel(mesh.vertices.astype(float), mesh.faces.tolist())
@@ -42,7 +42,7 @@ def fcl_model(mesh: impinge.Mesh) -> fcl.BVHModel:
 
 
 def fcl_loop(a: fcl.BVHModel, b: fcl.BVHModel, world_from_b: np.ndarray, limit: int) -> list[list[tuple[int, int]]]:
-    """The pairs that FCL reports for each pose, at most `limit`, as it reports them."""
+    """Return the pairs of faces that FCL reports for each pose, at most `limit`, in its order."""
     one, two = fcl.CollisionObject(a), fcl.CollisionObject(b)
     request = fcl.CollisionRequest(num_max_contacts=limit, enable_contact=False)
     answers = []
@@ -55,7 +55,7 @@ def fcl_loop(a: fcl.BVHModel, b: fcl.BVHModel, world_from_b: np.ndarray, limit: 
 
 
 def fcl_distances(a: fcl.BVHModel, b: fcl.BVHModel, world_from_b: np.ndarray) -> np.ndarray:
-    """(n,) distances as FCL reports them, at most zero where it finds a collision."""
+    """Return the (n,) distances that FCL reports; at most zero if it finds a collision."""
     one, two = fcl.CollisionObject(a), fcl.CollisionObject(b)
     request = fcl.DistanceRequest()
     answers = []
@@ -66,7 +66,7 @@ def fcl_distances(a: fcl.BVHModel, b: fcl.BVHModel, world_from_b: np.ndarray) ->
 
 
 def timed(run: Callable[[], object], repeats: int) -> tuple[float, float, object]:
-    """The least seconds of some runs, by the clock and of all processors together, and the last answer."""
+    """Return the minimum wall and processor seconds of some runs, and the last answer."""
     clock, work, answer = float("inf"), float("inf"), None
     for _ in range(repeats):
         starts = time.perf_counter(), time.process_time()
@@ -76,7 +76,10 @@ def timed(run: Callable[[], object], repeats: int) -> tuple[float, float, object
 
 
 def overhead(mesh: impinge.Mesh) -> tuple[float, float]:
-    """Seconds of a call with one pose where the meshes are far apart, without poses and with both."""
+    """Return the minimum seconds of a call without poses, and of one with two.
+
+    The first is against an empty mesh, the second at poses far apart, so that neither does work.
+    """
     far = impinge.pose([1e6, 0, 0])
     here = np.eye(4)
     calls = 2000
@@ -93,7 +96,7 @@ def overhead(mesh: impinge.Mesh) -> tuple[float, float]:
 
 
 def motion(low: np.ndarray, high: np.ndarray, count: int) -> np.ndarray:
-    """(count, 4, 4) poses from above one corner of the box to the other side, turning once: each near the last."""
+    """Return (count, 4, 4) poses of a slow motion across the top of a box, with one full turn."""
     step = np.linspace(0, 1, count)[:, None]
     above = np.array([0, 0, high[2] - low[2]])
     return impinge.pose(low + above + step * (high - low) * [1, 1, 0], rpy=step * [0, 0, 2 * np.pi])
@@ -105,45 +108,30 @@ EMPTY = impinge.Mesh(np.zeros((0, 3)), np.zeros((0, 3), int))
 def disagreements(
     a: impinge.Mesh, b: impinge.Mesh, world_from_b: np.ndarray, ours: impinge.Pairs, theirs: list[list[tuple[int, int]]]
 ) -> list[str]:
-    """The pairs that one reports and the other does not, each decided in rational arithmetic."""
+    """Describe each pair that only one engine reports, with the exact answer."""
     found = []
     for row, fcl_pairs in enumerate(theirs):
         own = set(map(tuple, np.asarray(ours[row]).tolist()))
         for face_a, face_b in sorted(own ^ set(fcl_pairs)):
             alone = (a.vertices, a.faces[face_a : face_a + 1]), (b.vertices, b.faces[face_b : face_b + 1])
             who = "impinge" if (face_a, face_b) in own else "FCL"
-            truth = "meet" if len(oracle_pairs(*alone, pose_b=world_from_b[row])) else "do not meet"
+            truth = "intersect" if len(oracle_pairs(*alone, pose_b=world_from_b[row])) else "do not intersect"
             found.append(f"pose {row}: faces {face_a} and {face_b}: reported by {who} alone; in truth they {truth}")
     return found
 
 
-def circumstances() -> dict[str, str]:
-    """What the numbers depend on beside the code."""
-    cpuinfo = Path("/proc/cpuinfo")
-    lines = cpuinfo.read_text().splitlines() if cpuinfo.exists() else []
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return {
-        "date": date.today().isoformat(),
-        "command": shlex.join(["python", *sys.argv]),
-        "cpu": f"{names[0] if names else platform.processor()}, {os.cpu_count()} cores",
-        "load before": f"{os.getloadavg()[0]:.1f}",
-        "python": platform.python_version(),
-        "python-fcl": version("python-fcl"),
-        "numpy": np.__version__,
-    }
-
-
 def main() -> int:
+    """Print the times and the disagreements, and return 0."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--poses", type=int, default=10_000)
-    parser.add_argument("--repeats", type=int, default=5, help="runs of each; the least time counts")
+    parser.add_argument("--repeats", type=int, default=5, help="runs of each; the minimum time counts")
     parser.add_argument("--builder", default="auto", help="how impinge builds its hierarchies")
     options = parser.parse_args()
     folder = os.environ.get("IMPINGE_DATA")
     if folder is None:
         sys.exit("IMPINGE_DATA names no folder of extra data")
     meshes = Path(folder) / "nasty" / "fcl_resources"
-    about = circumstances()
+    about = circumstances("python-fcl")
     env, rob = impinge.load(meshes / "env.obj"), impinge.load(meshes / "rob.obj")
     for mesh in (env, rob):
         mesh.rebuild(options.builder)
@@ -155,7 +143,7 @@ def main() -> int:
     rows, problems = [], []
 
     def race(name: str, loop: Callable[[], object], ask: Callable[[], object], repeats: int) -> tuple[Any, Any]:
-        """Time both, and return what FCL and impinge answer."""
+        """Time both engines, and return the answers of FCL and of impinge."""
         *seconds, theirs = timed(loop, repeats)
         rows.append([name, "python-fcl, a loop", 1, *seconds])
         for n in (1, os.cpu_count() or 1):
@@ -202,6 +190,9 @@ def main() -> int:
     for name, engine, n, clock, work in rows:
         base = next(row for row in rows if row[0] == name)
         print(f"| {name} | {engine} | {n} | {clock:.3f} | {base[3] / clock:.1f} | {work:.3f} | {base[4] / work:.1f} |")
+        case = f"{name}, {options.poses} poses, {n} threads"
+        record.row(case, "all poses minimum", "s", clock, engine.split(",")[0])
+        record.row(case, "processor time minimum", "s", work, engine.split(",")[0])
     without, with_poses = overhead(env)
     print(
         f"\none call: {without * 1e6:.2f} us against an empty mesh, {with_poses * 1e6:.2f} us with two poses, far apart"

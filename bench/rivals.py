@@ -1,57 +1,54 @@
-"""FCL, Coal and impinge on the same meshes in one run, one thread each: build, all intersecting pairs, first hit.
+"""Compare FCL, Coal and impinge on the same meshes: build, all intersecting pairs, first hit.
 
     python3 -m venv .venv && .venv/bin/pip install -r bench/requirements.txt
     .venv/bin/python bench/rivals.py
 
-A mesh is set against itself moved: a torus knot of two million triangles unless --nu and --nv say otherwise; a bumpy sphere of
-as many, turned so little that the surfaces nearly coincide; a tiny knot of as many amid long slivers; and a rod of slivers
-alone, a hundredth as many. Of the last three Coal is not asked. FCL
-and Coal get it as arrays, impinge as a PLY file of the same doubles. At full size FCL and Coal need 5 GB each, one
-after the other. The answers are compared: a rival that finds other pairs is no yardstick. All is asked in rounds, one
-engine after another in each, as a shared machine changes its speed by the minute: a round takes a minute.
+Each mesh is tested against its moved copy, on one thread. The meshes are a torus knot of two
+million triangles (see --nu and --nv); a bumpy sphere of the same size, rotated so little that the
+surfaces nearly coincide; a tiny knot of the same size among long slivers; and a rod that consists
+of slivers, 1 % of that size. Coal is not run on the last three. FCL and Coal get the mesh as
+arrays, impinge as a PLY file of the same doubles. At full size FCL and Coal need 5 GB each, one
+after the other. The answers are compared, because times of wrong answers mean nothing. All engines
+run in turn in each of several rounds of about a minute, because a shared machine changes its speed
+by the minute.
 """
 
 import argparse
 import gc
 import json
-import os
-import platform
-import shlex
 import statistics
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
-from datetime import date
-from importlib.metadata import version
+from dataclasses import dataclass, replace
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+import record
+from about import ROOT, circumstances, print_circumstances
 from adversaries import bumpy_sphere, rod, stadium
 from torus_knot import torus_knot, write_ply
 
-ROOT = Path(__file__).resolve().parent.parent
-NO_LIMIT = 10**8  # contacts, more than any pose here has
-OFTENER = 5  # runs of impinge for each of a rival's
-FIRST_HIT_CALLS = 100  # calls timed as one where one takes microseconds
-FIRST_HIT_SECONDS = 1e-3  # that those are to take, where they take longer
-COAL_TOLERANCE = 0.01  # share of pairs by which Coal may be off: it decides triangles by iteration
+NO_LIMIT = 10**8  # number of contacts; more than any pose has
+OFTENER = 5  # number of runs of impinge for each run of a rival
+FIRST_HIT_CALLS = 100  # maximum number of calls that are timed together
+FIRST_HIT_SECONDS = 1e-3  # target time of the calls that are timed together
+COAL_TOLERANCE = 0.01  # allowed relative error of Coal's number of pairs: it decides triangles by iteration
 
 
 @dataclass(frozen=True)
 class Pose:
-    """Where the second mesh stands: a rotation as a unit quaternion (w, x, y, z), then a translation."""
+    """Pose of the second mesh, world from mesh, with a unit quaternion (w, x, y, z)."""
 
     name: str
     translation: tuple[float, float, float]
     quaternion: tuple[float, float, float, float]
 
     def rotation(self) -> np.ndarray:
-        """The (3, 3) matrix for column vectors."""
+        """Return the (3, 3) rotation matrix, for column vectors."""
         w, x, y, z = self.quaternion
         return np.array(
             [
@@ -64,7 +61,7 @@ class Pose:
 
 @dataclass
 class Timing:
-    """One engine at one pose; every list holds the seconds of single runs."""
+    """Result of one engine at one pose. Every list contains the seconds of single runs."""
 
     engine: str
     pose: str
@@ -79,16 +76,18 @@ Mesh = tuple[np.ndarray, np.ndarray]
 
 @dataclass(frozen=True)
 class Scene:
-    """A mesh, and where it stands against itself."""
+    """A mesh, and the poses of its copy."""
 
     name: str
     mesh: Mesh
     poses: list[Pose]
     is_for_coal: bool = True
-    """Coal needs eleven seconds for a query of nearly coincident surfaces, and more than that amid slivers."""
+    """Whether Coal runs on this scene. It takes 11 seconds for a query of nearly coincident
+    surfaces, and longer for one among slivers."""
 
 
 def turn(angle: float) -> tuple[float, float, float, float]:
+    """Return the quaternion of a rotation about (1, 2, 3) by an angle in radians."""
     axis = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
     return (float(np.cos(angle / 2)), *(float(c) for c in np.sin(angle / 2) * axis))
 
@@ -96,51 +95,55 @@ def turn(angle: float) -> tuple[float, float, float, float]:
 KNOT_POSES = [
     Pose("deep", (0.3, 0.2, 0.1), turn(0.7)),
     Pose("shallow", (4.5, 0.5, 0.3), turn(0.7)),
-    Pose("apart", (6.0, 0.5, 0.3), turn(0.7)),  # by 0.28, so that boxes overlap deep into both trees
-    Pose("far", (100.0, 0.0, 0.0), turn(0.7)),  # costs a call and no descent: what every other first hit holds of it
+    Pose("apart", (6.0, 0.5, 0.3), turn(0.7)),  # 0.28 apart: boxes overlap deep into both trees
+    Pose("far", (100.0, 0.0, 0.0), turn(0.7)),  # the cost of a call without a descent
 ]
 
 
 def knots(nu: int, nv: int) -> Scene:
+    """Return the torus knot of nu by nv quads."""
     return Scene("torus_knot", torus_knot(nu, nv), KNOT_POSES)
 
 
 def near(nu: int, nv: int) -> Scene:
-    """With about as many triangles as a knot of nu by nv quads has."""
+    """Return the bumpy sphere, with about as many triangles as a knot of nu by nv quads."""
     return Scene(
         "bumpy_sphere", bumpy_sphere(round((nu * nv / 6) ** 0.5)), [Pose("near", (0.0, 0.0, 0.0), turn(0.01))], False
     )
 
 
 def slivers(nu: int, nv: int) -> Scene:
+    """Return the tiny knot of nu by nv quads among slivers."""
     return Scene("stadium", stadium(nu, nv, 300), [Pose("slivers", (0.0006, 0.0004, 0.0005), turn(0.0))], False)
 
 
 def rods(nu: int, nv: int) -> Scene:
-    """With a hundredth as many triangles as a knot, each as long as the rod."""
-    return Scene("rod", rod(nu * nv // 100), [Pose("askew", (0.3, 0.2, 0.1), turn(0.7))], False)
+    """Return the rod: 1 % of the triangles of a knot of nu by nv quads, each as long as the rod."""
+    return Scene("rod", rod(nu * nv // 100), [Pose("rods", (0.3, 0.2, 0.1), turn(0.7))], False)
 
 
 SCENES = {"knots": knots, "near": near, "slivers": slivers, "rods": rods}
 
 
 def seconds(run: Callable[[], object]) -> float:
+    """Return the time of a call, in seconds."""
     start = time.perf_counter()
     run()
     return time.perf_counter() - start
 
 
 def measure_fcl(scene: Scene, repeats: int) -> list[Timing]:
-    """FCL through python-fcl: BVHModel is its OBBRSS tree in double precision.
+    """Time FCL through python-fcl, whose BVHModel is FCL's OBBRSS tree in double precision.
 
-    Twice: as python-fcl's caller waits for it, and FCL's own share, without what Python objects cost.
+    Each pose has two results: the whole call of python-fcl, and FCL's own share of it, without the
+    creation of Python objects.
     """
     import fcl
 
     vertices, faces = scene.mesh
     model = fcl.BVHModel()
     model.beginModel(len(faces), len(vertices))
-    filling = seconds(lambda: model.addSubModel(vertices, faces))  # one triangle after another, in Python
+    filling = seconds(lambda: model.addSubModel(vertices, faces))  # a Python loop over the triangles
     build = [seconds(model.endModel)]
     whole_build = [filling + build[0]]
 
@@ -154,15 +157,15 @@ def measure_fcl(scene: Scene, repeats: int) -> list[Timing]:
 
 
 class FirstContact(Exception):
-    """FCL is done, and python-fcl begins to make objects of what it found."""
+    """Raised when FCL is done, and python-fcl begins to convert its contacts to objects."""
 
 
 @contextmanager
 def fcl_alone() -> Iterator[None]:
-    """Within, queries of python-fcl are over when FCL is.
+    """End queries of python-fcl within a ``with`` block when FCL itself is done.
 
-    After a query it makes four arrays of each contact, which takes as long as the query did: the class that it makes
-    them of stops the call at the first.
+    After a query, python-fcl makes four arrays for each contact, which takes as long as the query.
+    The class of contacts is replaced, so that the first contact raises `FirstContact`.
     """
     import fcl
 
@@ -177,7 +180,7 @@ def fcl_alone() -> Iterator[None]:
 
 
 def fcl_query(model: Any, pose: Pose) -> tuple[Callable[[int], None], int]:
-    """A call that finds up to so many pairs of a BVHModel and itself moved, and how many there are."""
+    """Return a query for up to `limit` pairs of a model and its moved copy, and their number."""
     import fcl
 
     a = fcl.CollisionObject(model, fcl.Transform())
@@ -195,7 +198,7 @@ def fcl_query(model: Any, pose: Pose) -> tuple[Callable[[int], None], int]:
 
 
 def measure_coal(scene: Scene, repeats: int) -> list[Timing]:
-    """Coal through its own Python module, whose contacts stay in C++ until they are asked for."""
+    """Time Coal through its own Python module, which converts contacts only on request."""
     import coal
 
     vertices, faces = scene.mesh
@@ -223,7 +226,7 @@ def measure_coal(scene: Scene, repeats: int) -> list[Timing]:
 def time_queries(
     engine: str, pose: Pose, pairs: int, build: list[float], query: Callable[[int], None], repeats: int
 ) -> Timing:
-    """Times `query(limit)`, which has been called once before, so that its data is warm."""
+    """Time `query(limit)`, which was called once before, so that its data is in the cache."""
     once = seconds(lambda: query(1))
     calls = int(min(FIRST_HIT_CALLS, max(1, FIRST_HIT_SECONDS / once)))
     return Timing(
@@ -237,7 +240,7 @@ def time_queries(
 
 
 def measure_impinge(scene: Scene, repeats: int) -> list[Timing]:
-    """impinge by its benchmark program, which reads the mesh from a file and times its own calls."""
+    """Time impinge by its benchmark program, which reads the mesh from a file."""
     path = ROOT / "target" / "rivals" / f"{scene.name}_{len(scene.mesh[1])}.ply"
     path.parent.mkdir(parents=True, exist_ok=True)
     write_ply(path, *scene.mesh)
@@ -245,7 +248,7 @@ def measure_impinge(scene: Scene, repeats: int) -> list[Timing]:
     for pose in scene.poses:
         numbers = ",".join(repr(x) for x in (*pose.translation, *pose.quaternion))
         program = ["cargo", "run", "--quiet", "--release", "-p", "impinge-bench", "--bin", "headline", "--"]
-        # A query takes a small part of a rival's: asked more often, its median is as steady as theirs.
+        # A query takes a small part of a rival's time. With more runs its median is as stable.
         runs = ["--repeats", str(OFTENER * repeats)]
         arguments = ["--mesh", str(path), "--pose-b", numbers, "--threads", "1", "--json", *runs]
         run = subprocess.run(program + arguments, cwd=ROOT, stdout=subprocess.PIPE, check=True)
@@ -259,9 +262,9 @@ ENGINES = {"impinge": measure_impinge, "FCL": measure_fcl, "Coal": measure_coal}
 
 
 def merged(before: list[Timing], round_of_one: list[Timing]) -> list[Timing]:
-    """The runs of all rounds, each engine and pose once.
+    """Return the results of all rounds, with the runs of each engine and pose in one result.
 
-    Raises ValueError where an engine finds other pairs than it found before.
+    Raise a `ValueError` if an engine finds another number of pairs than before.
     """
     by_name = {(t.engine, t.pose): t for t in before}
     for new in round_of_one:
@@ -282,12 +285,15 @@ def merged(before: list[Timing], round_of_one: list[Timing]) -> list[Timing]:
 
 
 def poses(timings: list[Timing]) -> list[str]:
-    """The poses' names, each once, in the order of the runs."""
+    """Return the names of the poses, each once, in the order of the runs."""
     return list(dict.fromkeys(t.pose for t in timings))
 
 
 def disagreements(timings: list[Timing]) -> list[str]:
-    """Where the numbers of pairs differ by more than they may; impinge is the reference, in its absence FCL."""
+    """Describe each number of pairs that differs from the reference by more than the tolerance.
+
+    The reference is impinge, or FCL if impinge did not run.
+    """
     found = []
     for pose in poses(timings):
         pairs = {t.engine: t.pairs for t in timings if t.pose == pose}
@@ -295,12 +301,12 @@ def disagreements(timings: list[Timing]) -> list[str]:
         for engine, count in pairs.items():
             allowed = COAL_TOLERANCE * (reference or 0) if engine == "Coal" else 0
             if reference is not None and abs(count - reference) > allowed:
-                found.append(f"{pose}: {engine} finds {count} pairs where {reference} are expected")
+                found.append(f"{pose}: {engine} finds {count} pairs; {reference} are expected")
     return found
 
 
 def table(timings: list[Timing]) -> str:
-    """Medians and, in brackets, minima; a ratio is the median of the engine over that of impinge."""
+    """Return a Markdown table of medians (minima); ratios are to the median of impinge."""
     ours = {t.pose: t for t in timings if t.engine == "impinge"}
     rows = ["| pose | engine | pairs | build, s | all pairs, ms | ratio | first hit, µs | ratio |", "|" + "---|" * 8]
     for pose in poses(timings):
@@ -321,56 +327,31 @@ def table(timings: list[Timing]) -> str:
 
 
 def spread(runs: list[float], scale: float) -> str:
+    """Return the median and, in brackets, the minimum of some runs, times `scale`."""
     return f"{statistics.median(runs) * scale:.3g} ({min(runs) * scale:.3g})"
 
 
 def ratio(runs: list[float], base: list[float] | None) -> str:
+    """Return the median of some runs divided by that of `base`; a dash if there is no base."""
     return f"{statistics.median(runs) / statistics.median(base):.3g}" if base else "–"
 
 
-def circumstances(*packages: str) -> dict[str, str]:
-    """What the numbers depend on beside the code; the packages are those that are measured."""
-    cpus = [line.split(":", 1)[1].strip() for line in read_lines("/proc/cpuinfo") if line.startswith("model name")]
-    return {
-        "date": date.today().isoformat(),
-        "command": shlex.join(["python", *sys.argv]),
-        "cpu": f"{cpus[0] if cpus else platform.processor()}, {os.cpu_count()} cores",
-        "load before": f"{os.getloadavg()[0]:.2f}",
-        "commit": output("git", "describe", "--always", "--dirty"),
-        "rustc": output("rustc", "--version"),
-        "python": platform.python_version(),
-        **{package: version(package) for package in packages},
-        "numpy": np.__version__,
-    }
-
-
-def read_lines(path: str) -> list[str]:
-    return Path(path).read_text().splitlines() if Path(path).exists() else []
-
-
-def output(*command: str) -> str:
-    return subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True).stdout.strip()
-
-
-def write_record(folder: Path, about: dict[str, str], timings: list[Timing], problems: list[str]) -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{about['date']}-rivals.md"
-    lines = [f"# impinge beside FCL and Coal, {about['date']}", ""]
-    lines += [f"- {name}: `{value}`" for name, value in about.items() if name != "date"]
-    lines += ["", "One thread; median (minimum) of the runs; a ratio is the engine's median over impinge's.", ""]
-    lines += [table(timings), "", *(f"- disagreement: {p}" for p in problems)]
-    path.write_text("\n".join(lines).rstrip() + "\n")
-    runs = {"about": about, "timings": [asdict(t) for t in timings], "disagreements": problems}
-    path.with_suffix(".json").write_text(json.dumps(runs, indent=1) + "\n")
-    return path
+def write_rows(timings: list[Timing]) -> None:
+    """Record the numbers of pairs, and the median and the minimum of each time."""
+    for t in timings:
+        record.row(t.pose, "pairs", "1", t.pairs, t.engine)
+        record.seconds(t.pose, "build", t.build_seconds, t.engine)
+        record.seconds(t.pose, "all pairs", t.all_pairs_seconds, t.engine)
+        record.seconds(t.pose, "first hit", t.first_hit_seconds, t.engine)
 
 
 def main() -> int:
+    """Print the table; return 1 if the engines disagree, otherwise 0."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--nu", type=int, default=2000, help="quads along the knot")
-    parser.add_argument("--nv", type=int, default=500, help="quads round its tube")
+    parser.add_argument("--nv", type=int, default=500, help="quads around its tube")
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
-    parser.add_argument("--rounds", type=int, default=5, help="times that every engine builds and is asked, in turn")
+    parser.add_argument("--rounds", type=int, default=5, help="number of rounds; in each, all engines run in turn")
     parser.add_argument(
         "--repeats",
         type=int,
@@ -378,7 +359,6 @@ def main() -> int:
         help="runs of each query of FCL and Coal in a round; impinge has five times as many",
     )
     parser.add_argument("--engines", nargs="+", choices=ENGINES, default=list(ENGINES))
-    parser.add_argument("--record", type=Path, default=ROOT / "bench" / "record", help="folder of the dated records")
     options = parser.parse_args()
 
     about = circumstances("python-fcl", "coal")
@@ -389,12 +369,15 @@ def main() -> int:
             if engine == "Coal" and not scene.is_for_coal:
                 continue
             timings = merged(timings, ENGINES[engine](scene, options.repeats))
-            gc.collect()  # the trees of one rival leave the memory before those of the next come
+            gc.collect()  # free the trees of one rival before the next one runs
     problems = disagreements(timings)
+    print_circumstances(
+        about, "One thread; median (minimum) of the runs; a ratio is the engine's median over impinge's."
+    )
     print(table(timings))
+    write_rows(timings)
     for problem in problems:
         print(f"error: {problem}", file=sys.stderr)
-    print(f"recorded in {write_record(options.record, about, timings, problems)}")
     return 1 if problems else 0
 
 

@@ -1,13 +1,14 @@
-"""FCL, Coal and impinge: distances of the same two meshes in one run, one thread each.
+"""Compare the distances of FCL, Coal and impinge for the same two meshes, on one thread each.
 
     python3 -m venv .venv && .venv/bin/pip install -r bench/requirements.txt
     IMPINGE_DATA=... .venv/bin/python bench/rivals_distance.py
 
-Two knots apart by more and by less, and one moved along a path of small steps; a thin knot of 20,000 triangles inside a thick one,
-where the gap is the same nearly everywhere; and, where IMPINGE_DATA names the folder of
-extra data, the bunny at a thousand places about a human, by chance and along a path. Along paths impinge starts from the
-last witness too, which the others cannot. The distances are compared: they must be equal to 1e-9. At full size FCL and Coal
-need 5 GB each for the knots, one after the other; --nu and --nv make them smaller.
+The scenes are two knots at several gaps, and along a path of small steps; a thin knot of 20,000
+triangles inside a thick one, with nearly the same gap everywhere; and, if IMPINGE_DATA names the
+folder of extra data, the bunny at a thousand places around a human, at random and along a path.
+Along paths impinge also starts from the nearest faces of the last pose, which the others cannot do.
+The distances are compared, and must agree within a relative 1e-9. At full size FCL and Coal need
+5 GB each for the knots, one after the other; --nu and --nv make them smaller.
 """
 
 import argparse
@@ -21,23 +22,28 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rivals import ROOT, circumstances, seconds
+import record
+from about import ROOT, circumstances
+from rivals import seconds
 from torus_knot import torus_knot, write_ply
 
-TOLERANCE = 1e-9  # relative difference of distances, as no engine but ours says how far it may be off
-STEPS = 20  # poses of the knots' path
-NESTED_STEPS = 10  # of the thin knot's inside the thick one
-POSES = 1000  # of the bunny, by chance and along its path
+KEYS = ("without cache", "cache of same pose", "cache of last pose")
+TOLERANCE = 1e-9  # allowed relative difference of distances; the rivals return no error bounds
+STEPS = 20  # number of poses on the path of the knots
+NESTED_STEPS = 10  # number of steps on the path of the thin knot
+POSES = 1000  # number of poses of the bunny: at random, and along its path
 Mesh = tuple[np.ndarray, np.ndarray]
-Pose = tuple[float, float, float, float, float, float, float]
+Pose = tuple[float, float, float, float, float, float, float]  # translation, then quaternion (w, x, y, z)
 
 
 def turned(translation: tuple[float, float, float], angle: float = 0.7) -> Pose:
+    """Return a pose with a rotation about (1, 2, 3) by an angle in radians."""
     axis = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
     return (*translation, float(np.cos(angle / 2)), *(float(c) for c in np.sin(angle / 2) * axis))
 
 
 def rotation(pose: Pose) -> np.ndarray:
+    """Return the (3, 3) rotation matrix of a pose, for column vectors."""
     w, x, y, z = pose[3:]
     return np.array(
         [
@@ -50,15 +56,18 @@ def rotation(pose: Pose) -> np.ndarray:
 
 @dataclass
 class Scene:
+    """Two meshes, and poses of the second one."""
+
     name: str
     meshes: list[Mesh]
     poses: list[Pose]
-    """Of the second mesh."""
+    """Poses of the second mesh, world from mesh."""
     labels: list[str]
-    """Of the poses that get a row of their own."""
+    """Names of the first poses, which get a row of their own in the table."""
 
 
 def knots(nu: int, nv: int) -> Scene:
+    """Return two knots of nu by nv quads at three gaps, and along a path."""
     mesh = torus_knot(nu, nv)
     named = [("apart", turned((6.0, 0.5, 0.3))), ("near", turned((5.72, 0.5, 0.3))), ("far", turned((9.0, 0.0, 0.0)))]
     path = [turned((6.0, 0.5 + 0.002 * i, 0.3), 0.7 + 0.002 * i) for i in range(STEPS)]
@@ -66,12 +75,13 @@ def knots(nu: int, nv: int) -> Scene:
 
 
 def nested_knots() -> Scene:
+    """Return a thin knot inside a thick one, along a path."""
     path = [turned((0.002 * i, 0.0, 0.0), 0.001 * i) for i in range(NESTED_STEPS + 1)]
     return Scene("knot in knot", [torus_knot(200, 50), torus_knot(200, 50, 0.2)], path, ["concentric"])
 
 
 def read_ply(path: Path) -> Mesh:
-    """A mesh of triangles with three floats a vertex, little endian."""
+    """Read a little-endian binary PLY file of triangles with three floats for each vertex."""
     content = path.read_bytes()
     header, body = content.split(b"end_header\n", 1)
     counts = [int(line.split()[2]) for line in header.splitlines() if line.startswith(b"element")]
@@ -81,7 +91,7 @@ def read_ply(path: Path) -> Mesh:
 
 
 def read_obj(path: Path) -> Mesh:
-    """A mesh of triangles, its vertices rounded to single precision, so that all engines have the same."""
+    """Read an OBJ file of triangles; vertices are rounded to single precision for all engines."""
     rows = [line.split() for line in path.read_text().splitlines()]
     vertices = np.array([row[1:4] for row in rows if row[:1] == ["v"]], dtype=float)
     faces = [[int(corner.split("/")[0]) - 1 for corner in row[1:]] for row in rows if row[:1] == ["f"]]
@@ -89,10 +99,11 @@ def read_obj(path: Path) -> Mesh:
 
 
 def bunny_and_human(folder: Path) -> list[Scene]:
+    """Load a human and the bunny, at random poses around the human and along a path."""
     human = read_ply(folder / "meshes" / "human_makehuman_cc0.ply")
     vertices, faces = read_obj(folder / "meshes" / "stanford-bunny.obj")
     height = np.ptp(human[0], axis=0).max()
-    # A quarter as large as the human, by a power of two, which rounds nothing.
+    # Scale to about a quarter of the human, by a power of two, which is exact.
     bunny = vertices * 2.0 ** np.round(np.log2(height / 4 / np.ptp(vertices, axis=0).max())), faces
     centers = [(vertices.min(axis=0) + vertices.max(axis=0)) / 2 for vertices, _ in (human, bunny)]
     rng = np.random.default_rng(1)
@@ -120,6 +131,7 @@ def bunny_and_human(folder: Path) -> list[Scene]:
 
 
 def measure_fcl(scene: Scene, repeats: int) -> list[dict]:
+    """Return the distance and the minimum seconds of a call of FCL for each pose."""
     import fcl
 
     def model(mesh: Mesh) -> fcl.BVHModel:
@@ -138,11 +150,12 @@ def measure_fcl(scene: Scene, repeats: int) -> list[dict]:
         request = fcl.DistanceRequest()
         distance = fcl.distance(one, two, request, fcl.DistanceResult())
         cold = [seconds(lambda: fcl.distance(one, two, request, fcl.DistanceResult())) for _ in range(repeats)]
-        answers.append({"distance": distance, "cold": min(cold)})
+        answers.append({"distance": distance, "without cache": min(cold)})
     return answers
 
 
 def measure_coal(scene: Scene, repeats: int) -> list[dict]:
+    """Return the distance and the minimum seconds of a call of Coal for each pose."""
     import coal
 
     def model(mesh: Mesh) -> coal.BVHModelOBBRSS:
@@ -164,17 +177,18 @@ def measure_coal(scene: Scene, repeats: int) -> list[dict]:
             return coal.distance(a, coal.Transform3s(), b, world_from_b, coal.DistanceRequest(), result)
 
         distance = query()
-        answers.append({"distance": distance, "cold": min(seconds(query) for _ in range(repeats))})
+        answers.append({"distance": distance, "without cache": min(seconds(query) for _ in range(repeats))})
     return answers
 
 
 def models(scene: Scene, model: Callable[[Mesh], object]) -> list[object]:
-    """A model of each mesh, of the same mesh one."""
+    """Return a model of each mesh; a single model if both meshes are the same."""
     first = model(scene.meshes[0])
     return [first, first if scene.meshes[1] is scene.meshes[0] else model(scene.meshes[1])]
 
 
 def measure_impinge(scene: Scene, repeats: int) -> list[dict]:
+    """Return the distance and the minimum seconds, with and without caches, for each pose."""
     folder = ROOT / "target" / "rivals"
     folder.mkdir(parents=True, exist_ok=True)
     rows = folder / "poses.txt"
@@ -189,9 +203,9 @@ def measure_impinge(scene: Scene, repeats: int) -> list[dict]:
     return [
         {
             "distance": line["distance"],
-            "cold": min(line["cold_seconds"]),
-            "same witness": min(line["seeded_seconds"]),
-            "last witness": min(line["following_seconds"]),
+            "without cache": min(line["cold_seconds"]),
+            "cache of same pose": min(line["seeded_seconds"]),
+            "cache of last pose": min(line["following_seconds"]),
         }
         for line in lines
     ]
@@ -201,9 +215,10 @@ ENGINES = {"impinge": measure_impinge, "FCL": measure_fcl, "Coal": measure_coal}
 
 
 def main() -> int:
+    """Print the table; return 1 if the distances differ, otherwise 0."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--nu", type=int, default=2000, help="quads along the knot")
-    parser.add_argument("--nv", type=int, default=500, help="quads round its tube")
+    parser.add_argument("--nv", type=int, default=500, help="quads around its tube")
     parser.add_argument("--repeats", type=int, default=9, help="runs of each query")
     parser.add_argument("--engines", nargs="+", choices=ENGINES, default=list(ENGINES))
     options = parser.parse_args()
@@ -212,7 +227,7 @@ def main() -> int:
         print(f"- {name}: `{value}`")
     folder = os.environ.get("IMPINGE_DATA")
     scenes = [knots(options.nu, options.nv), nested_knots()] + (bunny_and_human(Path(folder)) if folder else [])
-    print("\n| poses | engine | distance | cold, µs | same witness, µs | last witness, µs |\n" + "|---" * 6 + "|")
+    print("\n| poses | engine | distance | " + " | ".join(f"{key}, µs" for key in KEYS) + " |\n" + "|---" * 6 + "|")
     problems = 0
     for scene in scenes:
         answers = {}
@@ -224,6 +239,7 @@ def main() -> int:
         for label, which in [*own, (f"{len(scene.poses) - len(own)} others", slice(len(own), None))]:
             for engine, rows in answers.items():
                 print(f"| {scene.name}: {label} | {engine} | " + " | ".join(cells(rows[which])) + " |")
+                write_rows(f"{scene.name}: {label}", engine, rows[which])
         for engine, rows in answers.items():
             distances = np.array([row["distance"] for row in rows])
             for i in np.flatnonzero(np.abs(distances - reference) > TOLERANCE * np.abs(reference)):
@@ -233,12 +249,21 @@ def main() -> int:
 
 
 def cells(rows: list[dict]) -> list[str]:
-    """The distance of one row or the range of many, and means of microseconds."""
+    """Return the distance of one row or the range of many, and mean times in microseconds."""
     distances = [row["distance"] for row in rows]
     low, high = min(distances), max(distances)
-    keys = [key for key in ("cold", "same witness", "last witness") if key in rows[0]]
-    times = [f"{np.mean([row[key] for row in rows]) * 1e6:.1f}" for key in keys]
+    times = [f"{np.mean([row[key] for row in rows]) * 1e6:.1f}" for key in KEYS if key in rows[0]]
     return [f"{low:.9g}" if low == high else f"{low:.3g} to {high:.3g}", *times, *[""] * (3 - len(times))]
+
+
+def write_rows(case: str, engine: str, rows: list[dict]) -> None:
+    """Record the range of the distances, and the mean of each time over the poses."""
+    distances = [row["distance"] for row in rows]
+    record.row(case, "distance minimum", "1", min(distances), engine)
+    record.row(case, "distance maximum", "1", max(distances), engine)
+    for key in KEYS:
+        if key in rows[0]:
+            record.row(case, f"{key} mean", "s", float(np.mean([row[key] for row in rows])), engine)
 
 
 if __name__ == "__main__":

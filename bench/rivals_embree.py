@@ -1,10 +1,11 @@
-"""impinge beside Embree on the two headline meshes in one run, one thread each: build, refit, and pairs.
+"""Compare impinge and Embree on the headline meshes, on one thread each: build, refit and pairs.
 
     apt install g++ libembree-dev
     .venv/bin/python bench/rivals_embree.py
 
-Embree's pairs are those of faces whose boxes overlap in one common frame, by rtcCollide: it stops where impinge begins
-to decide triangles. Its trees are of medium quality. Both get the same vertices, in single precision, as it takes no other.
+Embree's rtcCollide finds pairs of faces whose boxes overlap in one common frame; it does not decide
+whether the triangles intersect. Its trees are of medium quality. Both engines get the same vertices
+in single precision, because Embree accepts no other.
 """
 
 import argparse
@@ -13,15 +14,18 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
-from rivals import KNOT_POSES, ROOT, Mesh, Pose, circumstances, output, ratio, spread
+import record
+from about import ROOT, circumstances, output, print_circumstances
+from rivals import KNOT_POSES, Mesh, Pose, ratio, spread
 from torus_knot import torus_knot, write_ply
 
 FOLDER = ROOT / "target" / "rivals"
-KEYS = ("build_seconds", "refit_seconds", "pairs_seconds")
+KEYS = {"build_seconds": "build", "refit_seconds": "refit", "pairs_seconds": "find pairs"}
+"""Keys of the times in an answer, and their names in the record."""
 
 
 def program() -> Path:
-    """The rival, compiled where its source is newer."""
+    """Return the path of the Embree program; compile it if its source is newer."""
     source, binary = ROOT / "bench" / "embree" / "embree.cpp", FOLDER / "embree"
     if not binary.exists() or binary.stat().st_mtime < source.stat().st_mtime:
         subprocess.run(["g++", "-O3", "-march=native", str(source), "-o", str(binary), "-lembree3"], check=True)
@@ -29,6 +33,7 @@ def program() -> Path:
 
 
 def measure_embree(mesh: Mesh, pose: Pose, repeats: int) -> dict[str, object]:
+    """Return the number of pairs of overlapping boxes, and the seconds of single runs."""
     vertices, faces = mesh
     moved = vertices @ pose.rotation().T + pose.translation
     paths = [FOLDER / name for name in ("vertices_a.f32", "vertices_b.f32", "faces.u32")]
@@ -39,6 +44,7 @@ def measure_embree(mesh: Mesh, pose: Pose, repeats: int) -> dict[str, object]:
 
 
 def measure_impinge(path: Path, pose: Pose, repeats: int) -> dict[str, object]:
+    """Return the number of intersecting pairs, and the seconds of single runs."""
     numbers = ",".join(repr(x) for x in (*pose.translation, *pose.quaternion))
     command = ["cargo", "run", "--quiet", "--release", "-p", "impinge-bench", "--bin", "headline", "--"]
     arguments = ["--mesh", str(path), "--pose-b", numbers, "--threads", "1", "--json", "--repeats", str(repeats)]
@@ -47,6 +53,7 @@ def measure_impinge(path: Path, pose: Pose, repeats: int) -> dict[str, object]:
 
 
 def table(timings: list[dict[str, object]]) -> str:
+    """Return a Markdown table with two rows for each pose, impinge first."""
     rows = ["| pose | engine | pairs | build, ms | ratio | refit, ms | ratio | pairs, ms | ratio |", "|" + "---|" * 9]
     for ours, theirs in zip(timings[::2], timings[1::2], strict=True):
         for timing in (ours, theirs):
@@ -58,11 +65,11 @@ def table(timings: list[dict[str, object]]) -> str:
 
 
 def main() -> None:
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--nu", type=int, default=2000, help="quads along the knot")
-    parser.add_argument("--nv", type=int, default=500, help="quads round its tube")
+    parser.add_argument("--nv", type=int, default=500, help="quads around its tube")
     parser.add_argument("--repeats", type=int, default=9, help="runs of each")
-    parser.add_argument("--record", type=Path, default=ROOT / "bench" / "record", help="folder of the dated records")
     options = parser.parse_args()
 
     FOLDER.mkdir(parents=True, exist_ok=True)
@@ -77,17 +84,17 @@ def main() -> None:
     for pose in KNOT_POSES:
         timings.append({"pose": pose.name, "engine": "impinge", **measure_impinge(path, pose, options.repeats)})
         timings.append({"pose": pose.name, "engine": "Embree", **measure_embree(mesh, pose, options.repeats)})
-        # A box holds its triangle, so that no pair of triangles may be missing among those of boxes.
+        # Boxes contain their triangles, so every intersecting pair is a pair of overlapping boxes.
         assert timings[-1]["pairs"] >= timings[-2]["pairs"], f"{pose.name}: Embree finds fewer pairs than impinge"
-    found = table(timings)
-    print(found)
-    record = options.record / f"{about['date']}-embree.md"
-    lines = [f"# impinge beside Embree, {about['date']}", ""]
-    lines += [f"- {name}: `{value}`" for name, value in about.items() if name != "date"]
-    lines += ["", "One thread; median (minimum) of the runs; a ratio is the engine's median over impinge's. Embree's pairs are"]
-    lines += ["pairs of boxes in one frame, impinge's are pairs of triangles under any pose, exactly.", ""]
-    record.write_text("\n".join([*lines, found]) + "\n")
-    print(f"recorded in {record}")
+    print_circumstances(
+        about, "One thread; median (minimum) of the runs; a ratio is the engine's median over impinge's."
+    )
+    print(table(timings))
+    for timing in timings:
+        pose, engine = timing["pose"], timing["engine"]
+        record.row(pose, "pairs", "1", timing["pairs"], engine)
+        for key, name in KEYS.items():
+            record.seconds(pose, name, timing[key], engine)
 
 
 if __name__ == "__main__":

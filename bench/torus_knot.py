@@ -1,27 +1,29 @@
-"""The mesh of the headline benchmark: a closed bumpy tube round a torus knot, and how it is written for others to read."""
+"""The mesh of the headline benchmark, a closed bumpy tube around a torus knot, as a PLY file."""
 
 from pathlib import Path
 
 import numpy as np
 
-# The knot winds P times round the axis of the torus while it passes Q times through its hole.
+# The knot winds P times around the axis of the torus while it passes Q times through its hole.
 P, Q = 2, 3
-TORUS_RADIUS = 2.0  # of the circle that the knot winds about; the knot itself keeps 1 from it
-TUBE_RADIUS = 0.4  # thin enough that the tube stays clear of itself
-BUMP = 0.03  # of the tube's radius; without bumps the faces would lie in regular rows
-BUMPS_ALONG, BUMPS_ROUND = 40, 6
+TORUS_RADIUS = 2.0  # radius of the circle that the knot winds around, at a distance of 1
+TUBE_RADIUS = 0.4  # thin enough that the tube does not intersect itself
+BUMP = 0.03  # height of the bumps, relative to the radius of the tube; without them, rows are regular
+BUMPS_ALONG, BUMPS_ROUND = 40, 6  # numbers of bumps along the knot and around its tube
 
 
 def torus_knot(nu: int, nv: int, tube_radius: float = TUBE_RADIUS) -> tuple[np.ndarray, np.ndarray]:
-    """Returns (nu * nv, 3) float64 vertices and (2 * nu * nv, 3) int32 faces, nu quads along the knot and nv round its tube.
+    """Return (nu * nv, 3) float64 vertices and (2 * nu * nv, 3) int32 faces of a torus knot.
 
-    The mesh is closed; its faces wind clockwise where they are seen from outside.
+    It has nu quads along the knot and nv around its tube. The mesh is closed. Its faces are
+    clockwise as seen from outside.
     """
     u = np.linspace(0.0, 2.0 * np.pi, nu, endpoint=False)
     v = np.linspace(0.0, 2.0 * np.pi, nv, endpoint=False)
     center = _center(u)
 
-    # A frame across the tube: the tangent by a central difference, the normal away from the axis of the torus.
+    # A frame along the tube: the tangent is a central difference, and the normal points away from
+    # the axis of the torus.
     step = 1e-4
     tangent = _unit(_center(u + step) - _center(u - step))
     outward = _unit(center * [1.0, 1.0, 0.0])
@@ -35,7 +37,7 @@ def torus_knot(nu: int, nv: int, tube_radius: float = TUBE_RADIUS) -> tuple[np.n
 
 
 def write_ply(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
-    """Writes (n, 3) vertices in their own precision, single or double, and (m, 3) faces as a binary PLY file."""
+    """Write (n, 3) vertices, float32 or float64, and (m, 3) faces as a binary PLY file."""
     name, code = {4: ("float", "<f4"), 8: ("double", "<f8")}[vertices.itemsize]
     header = (
         "ply\nformat binary_little_endian 1.0\n"

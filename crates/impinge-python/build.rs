@@ -1,4 +1,5 @@
-//! What the linker of some systems must be told so that the interpreter's symbols may be left open.
+//! Passes linker arguments that allow the interpreter's symbols to stay undefined, on systems that
+//! need them.
 
 fn main() {
     pyo3_build_config::add_extension_module_link_args();

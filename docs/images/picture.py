@@ -143,7 +143,7 @@ class Canvas:
 
 
 def shade(normals: np.ndarray, colour: np.ndarray, flat: float = AMBIENT) -> np.ndarray:
-    """Returns a color for each normal (k, 3): Lambert's law, both sides lit alike, and a highlight."""
+    """Returns a color for each normal (k, 3): Lambert's law for both sides, and a highlight."""
     normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     normals = np.where(normals[:, 2:] < 0, -normals, normals)
     light = np.full(len(normals), flat)

@@ -16,22 +16,34 @@ _PLAIN: list[Literal["C_CONTIGUOUS", "ALIGNED"]] = ["C_CONTIGUOUS", "ALIGNED"]
 
 
 def plain_cloud(points: ArrayLike, name: str) -> NDArray[Any]:
-    """Return an (n, 3) array of float32 or float64; the argument itself if it is plain already."""
+    """Return points as a C-contiguous (n, 3) array of float32 or float64.
+
+    The array is not copied if possible. Raise an `InputError` if the type or the shape is wrong.
+    """
     return _floats(points, name, (3,), cloud=True, wanted="an (n, 3) array")
 
 
 def plain_points(points: ArrayLike, name: str) -> NDArray[np.float64]:
-    """Return a (..., 3) float64 array; the argument itself if it is plain already."""
+    """Return points as a C-contiguous (..., 3) float64 array, without a copy if possible.
+
+    Raise an `InputError` if the type or the shape is wrong.
+    """
     return _floats(points, name, (3,), cloud=False, wanted="a (3,) point, or (..., 3) of them")
 
 
 def plain_poses(poses: ArrayLike, name: str) -> NDArray[np.float64]:
-    """Return a (..., 4, 4) float64 array; the argument itself if it is plain already."""
+    """Return poses as a C-contiguous (..., 4, 4) float64 array, without a copy if possible.
+
+    Raise an `InputError` if the type or the shape is wrong.
+    """
     return _floats(poses, name, (4, 4), cloud=False, wanted="a (4, 4) matrix, or (..., 4, 4) of them")
 
 
 def plain_faces(faces: ArrayLike) -> NDArray[Any]:
-    """Return an (m, 3) array of 32- or 64-bit integers; the argument itself if plain already."""
+    """Return faces as a C-contiguous (m, 3) array of 32- or 64-bit integers.
+
+    The array is not copied if possible. Raise an `InputError` if the type or the shape is wrong.
+    """
     array = _array(faces, "faces", "an (m, 3) array of integers")
     if array.size == 0 and array.shape in ((0,), (0, 3)):
         return np.zeros((0, 3), np.int64)
@@ -48,7 +60,10 @@ def plain_faces(faces: ArrayLike) -> NDArray[Any]:
 
 
 def plain_numbers(numbers: ArrayLike, name: str, maximum: int) -> NDArray[np.uint64]:
-    """Return a uint64 array of integers from 0 to `maximum`; an empty array may have any type."""
+    """Return integers from 0 to `maximum` as a uint64 array of the same shape.
+
+    Raise an `InputError` for other types or numbers. An empty array may have any type.
+    """
     if isinstance(numbers, list | tuple) and all(isinstance(number, int | np.integer) for number in numbers):
         # NumPy converts a mixture of signed and unsigned integers to floats.
         numbers = [number if isinstance(number, bool) else int(number) for number in numbers]
@@ -67,7 +82,10 @@ def plain_numbers(numbers: ArrayLike, name: str, maximum: int) -> NDArray[np.uin
 
 
 def plain_reals(value: Any, name: str, core: tuple[int, ...]) -> NDArray[np.float64]:
-    """Return a (..., *core) array of finite float64 from numbers of any type."""
+    """Return real numbers of any type as a (..., *core) float64 array.
+
+    Raise an `InputError` if the shape is wrong or a number is not finite.
+    """
     try:
         given = np.asarray(value)
         if given.dtype.kind not in "iufO":

@@ -23,7 +23,8 @@ _PADDING = 1e-12
 errors, so that no box is too small."""
 
 CONTAINED = np.array([[-1, -1]])
-"""The pair of faces for a body inside a solid whose surface it does not touch: -1 means no face."""
+"""Result of `contacts` if one body is inside the other, a solid, and their surfaces do not
+intersect. -1 means no face."""
 
 
 class Body:
@@ -53,7 +54,10 @@ class Body:
 
     @cached_property
     def box(self) -> NDArray[np.float64]:
-        """Center and half-extents (2, 3) of a box in the body frame; NaN if there are no points."""
+        """Center and half-extents (2, 3), rounded, of a box around the body in the body frame.
+
+        NaN if the body has no points.
+        """
         bounds = None if self._round is None else self._round.bounds
         points: NDArray[Any] = self.mesh.vertices if bounds is None else bounds
         if len(points) == 0:
@@ -62,7 +66,10 @@ class Body:
         return np.stack([low / 2 + high / 2, high / 2 - low / 2])
 
     def box_at(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return corners (2, 3), lower and upper, of a world-frame box around the posed body."""
+        """Return lower and upper corners (2, 3) of a world-frame box that contains the posed body.
+
+        Infinite for a half-space; NaN if the body has no points.
+        """
         if self._round is not None and self._round.bounds is None:
             return np.array([[-np.inf] * 3, [np.inf] * 3])
         center, half = self.box
@@ -75,7 +82,17 @@ class Body:
 
 @dataclass(frozen=True)
 class Separation:
-    """Distance of two bodies, or minus the penetration depth of two solids."""
+    """Distance of two bodies, or minus the penetration depth of two solids.
+
+    Attributes
+    ----------
+    value : float
+        In world units, as `separation` describes.
+    points : list of two (3,) float64 arrays
+        Nearest or deepest point of each body in the world frame, rounded; zero if there are none.
+    faces : (int, int)
+        Nearest face of each body; -1 if there is none.
+    """
 
     value: float
     points: list[NDArray[np.float64]]
@@ -85,7 +102,7 @@ class Separation:
 def separation(
     a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], *, signed: bool
 ) -> Separation:
-    """Measure the distance of two bodies by the conventions of FCL.
+    """Measure the distance of two bodies, in world units, by the conventions of FCL.
 
     The value is -1 if at least one body is solid and they collide. If `signed` is set and both are
     solid, it is minus the penetration depth instead. It is 0 for two solids that only touch, and
@@ -124,7 +141,7 @@ def _of_shapes(
 
 
 def gap(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
-    """Return a lower bound of the distance between the contents of two (2, 3) boxes."""
+    """Return a lower bound of the distance of the contents of two (2, 3) boxes of one frame."""
     between = np.maximum(np.maximum(a[0] - b[1], b[0] - a[1]), 0)
     return float(np.linalg.norm(between)) * (1 - _PADDING)
 
@@ -154,7 +171,8 @@ def contacts(
 ) -> NDArray[np.int64]:
     """Return pairs of faces in contact, (k, 2), at most `limit`.
 
-    `CONTAINED` if one body is inside the other and no faces intersect.
+    The result is `CONTAINED` if one body is inside the other and no faces intersect. If a body has
+    no mesh, it has a row of -1 for each contact.
     """
     if not (a.is_mesh and b.is_mesh):
         return np.full((min(limit, len(_contacts_by_depth(a, b, pose_a, pose_b))), 2), -1)
@@ -174,7 +192,7 @@ def _contacts_by_depth(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: ND
 def contact_points(
     a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], pairs: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Return a common point in the world frame for each pair of `contacts`, (k, 3)."""
+    """Return a common point in the world frame, rounded, for each pair of `contacts`, (k, 3)."""
     if not (a.is_mesh and b.is_mesh):
         found = _contacts_by_depth(a, b, pose_a, pose_b)[: len(pairs)]
         middle: NDArray[np.float64] = found.point_a / 2 + found.point_b / 2
@@ -229,7 +247,7 @@ def _inner_point(
 
 
 def _common_point(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a common point of two coplanar triangles: the mean corner of their overlap."""
+    """Return a common point of two coplanar triangles: their overlap's mean corner, rounded."""
     normal = np.cross(b[1] - b[0], b[2] - b[0])
     if not normal.any():
         normal = np.cross(a[1] - a[0], a[2] - a[0])

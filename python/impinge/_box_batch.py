@@ -14,13 +14,13 @@ from impinge._boxes import AxisBox, core_of
 
 @final
 class AabbBatch:
-    """Many boxes in single precision, tested against one box with SIMD, eight at a time.
+    """Many axis-aligned boxes in single precision, tested against one box, eight at a time (SIMD).
 
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64
-        Corners. Without `high`, boxes are points. Coordinates that single precision cannot
-        represent are rounded outward.
+        Lower and upper corners of the boxes, all in one frame. Without `high`, boxes are points.
+        Coordinates that single precision cannot represent are rounded outward.
 
     Raises
     ------
@@ -43,10 +43,10 @@ class AabbBatch:
         self._core = _impinge.BatchCore(*self._made_of)
 
     def overlapping(self, box: AxisBox) -> NDArray[np.uint32]:
-        """Return the rows of the boxes that overlap a box, (k,), ascending; touching counts.
+        """Return the row indices of the boxes that overlap a box, (k,), ascending; touching counts.
 
-        The test is one pass over all boxes, 24 bytes for each box. It is exact if single precision
-        represents all coordinates. Otherwise, boxes that are apart by less than the rounding count
+        The test reads all boxes, 24 bytes for each. It is exact if single precision represents all
+        coordinates. Otherwise, boxes that are apart by less than the rounding count
         as overlapping.
 
         Raises

@@ -93,6 +93,8 @@ class AxisBox(Volume):
     def encloses(self, other: Self) -> bool:
         """Report whether another box of the same form is proved to lie inside this one.
 
+        The test is exact for boxes by corners. For the other forms, False means not proved.
+
         Raises
         ------
         InputError
@@ -108,7 +110,7 @@ class AxisBox(Volume):
         Parameters
         ----------
         points : (..., 3) array_like of float32 or float64
-            Below 2^320 in magnitude.
+            In the frame of the box, below 2^320 in magnitude.
 
         Returns
         -------
@@ -129,7 +131,7 @@ class AxisBox(Volume):
         return scalar(self._core.contains(points))  # type: ignore[no-any-return]
 
     def merged(self, other: Self) -> Self:
-        """Return a box that contains this one and another of the same form.
+        """Return a box that contains this box and another box of the same form, rounded outward.
 
         For boxes by corners it is exactly the smallest such box.
 
@@ -141,7 +143,7 @@ class AxisBox(Volume):
         return self._of(self._core.merged(core_of(other)))
 
     def moved(self, pose: ArrayLike) -> Self:
-        """Return a box of the same form that contains the image of this one under a pose.
+        """Return a world-frame box of this form that contains this box at a pose, rounded outward.
 
         Parameters
         ----------
@@ -213,7 +215,9 @@ class MinWidths(AxisBox):
         self._take(_impinge.BoxCore(self._names, low, widths))
 
     def packed(self, bits: Literal[8, 16] = 16) -> PackedMinWidths:
-        """Return a box around this one in 20 bytes (16-bit widths) or 16 bytes (8-bit widths).
+        """Return a packed box that contains this box, rounded outward.
+
+        It takes 20 bytes with widths of 16 bits, and 16 bytes with widths of 8 bits.
 
         Raises
         ------
@@ -252,7 +256,9 @@ class CenterRadius(AxisBox):
         self._take(_impinge.BoxCore(self._names, center, half_extents))
 
     def packed(self, bits: Literal[8, 16] = 16) -> PackedCenterRadius:
-        """Return a box around this one in 20 bytes (16-bit half-extents) or 16 bytes (8-bit ones).
+        """Return a packed box that contains this box, rounded outward.
+
+        It takes 20 bytes with half-extents of 16 bits, and 16 bytes with half-extents of 8 bits.
 
         Raises
         ------
@@ -263,10 +269,10 @@ class CenterRadius(AxisBox):
 
 
 class PackedBox:
-    """A box in single precision; its extents are small integers times a power of two per box.
+    """An axis-aligned box in single precision, its extents stored in 8 or 16 bits each.
 
-    It equals the box that `unpacked` returns, bit by bit. Only packing rounds, and it rounds
-    outward.
+    Extents are integers times a power of two that the box stores. Only packing rounds, outward:
+    `unpacked` returns the stored box exactly.
 
     Examples
     --------
@@ -283,7 +289,7 @@ class PackedBox:
 
     @property
     def nbytes(self) -> int:
-        """Size of its numbers in bytes: 16 or 20."""
+        """Size of the packed box in bytes: 16 or 20."""
         return self._core.size()
 
     @property

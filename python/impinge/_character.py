@@ -44,21 +44,23 @@ class Part:
     Attributes
     ----------
     name : str
-        Derived from the names of its bones, or from its index if they have none.
+        Name of the part, from the names of its bones, or from its index if they have none.
     bones : tuple of str
-        Bones whose faces belong to the part.
+        Names of the bones whose faces belong to the part.
     bone : int
         Index of the bone that the volume is fixed to.
     kind : {"sphere", "capsule", "box", "lozenge", "hull"}
         Kind of volume, by its `points`: one point, two points, the eight corners of a box, the four
         corners of a rectangle, or more points.
     looseness : float
-        Area of the volume, divided by the area of the convex hull of the points it was fitted to. 1
-        is the minimum for convex volumes.
+        Surface area of the volume, divided by that of the convex hull of the points it was fitted
+        to. 1 is the minimum for convex volumes.
     points : (k, 3) float64 array
-        In the frame of the bone (see `CharacterPose.frames`).
+        Points whose hull, enlarged by `radius`, is the volume. They are in the frame of the bone
+        (see `CharacterPose.frames`) and in the unit of the file.
     radius : float
-        In the unit of the file, at least zero.
+        Distance from the hull of `points` to the surface of the volume, in the unit of the file; at
+        least zero.
     """
 
     name: str
@@ -76,16 +78,17 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Leaks:
-    """Share of each part's surface outside of all volumes, in samples of all animations.
+    """How much of each part's surface is outside of all volumes, in about 100 poses.
 
-    Some hundred poses of all animations are sampled.
+    The poses are taken from all animations.
 
     Attributes
     ----------
     share : (p,) float64 array
-        Share of the part's vertices that are outside.
+        Share of the part's vertices that are outside, from 0 to 1.
     farthest : (p,) float64 array
-        Maximum distance of a vertex outside, in the unit of the file.
+        Maximum distance of a vertex from the volumes, in the unit of the file; 0 if none is
+        outside.
     """
 
     share: NDArray[np.float64]
@@ -110,9 +113,9 @@ class Character:
         A text file, as written by `save` and edited, with the bones, the name and the kind of each
         part. Missing entries are chosen automatically. Replaces `volumes`.
     pieces : int, optional
-        Maximum size of the groups of faces that hulls are built around, inside each volume. If
-        given, a ray that enters a volume must also hit one of these hulls, so that hits agree with
-        the surface far more often.
+        Maximum number of faces in a group. If given, the faces of each part are split into groups,
+        each with a hull. A ray that enters a volume must then also hit one of the part's hulls, so
+        that hits agree with the surface far more often.
 
     Raises
     ------
@@ -205,7 +208,7 @@ class Character:
 
     @property
     def bones(self) -> tuple[str, ...]:
-        """Names of the bones."""
+        """Names of the bones, by index."""
         return tuple(self._core.bones())
 
     @property
@@ -219,7 +222,7 @@ class Character:
         return self._core.faces()[1]
 
     def leaks(self) -> Leaks:
-        """Measure the share of each part's surface outside of all volumes; 0 if conservative."""
+        """Measure how much of each part's surface is outside of all volumes; 0 if conservative."""
         share, farthest = self._core.leaks()
         return Leaks(np.array(share), np.array(farthest))
 
@@ -245,7 +248,7 @@ class Character:
         time : float
             In seconds. A time outside of the animation gives the pose at the nearer end.
         origin : (3,) array_like of float32 or float64
-            Position in the world of the origin of the file.
+            Position of the file's origin in the world, in the unit of the file.
 
         Returns
         -------

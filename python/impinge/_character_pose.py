@@ -32,16 +32,17 @@ class PartHit:
     bone : int or (...) int64 array
         Index of the bone that the part's volume is fixed to; -1 if there was no hit.
     t : float or (...) float64 array
-        Time of the hit. For a ray, its parameter in units of the direction's length. For a punch, a
-        time from 0 to 1 that is never later than the true first contact. Otherwise zero. Infinite
-        if there was no hit.
+        For a ray, its parameter at the hit, in units of the direction's length; zero if the ray
+        starts inside. For `strikes`, a time from 0 to 1, never later than the true first contact.
+        For `struck_by`, zero. Infinite if there was no hit.
     point : (..., 3) float64 array
-        Point of the hit in the world frame, rounded.
+        Point of the hit in the world frame, rounded; zero if there was no hit.
     normal : (..., 3) float64 array
         Unit vector in the world frame: out of the part for a ray, otherwise from the striking shape
-        into the part.
+        into the part. Zero if there was no hit.
     depth : float or (...) float64 array
-        Length of the ray inside the volume, or penetration depth, in world units.
+        In world units: the length of the ray inside the volume, or an upper bound of the
+        penetration depth. Zero if there was no hit.
     """
 
     hit: bool | NDArray[np.bool_]
@@ -72,7 +73,7 @@ class SurfaceHit:
         Ray parameter of the hit, in units of the direction's length, with a relative error of at
         most 2^-40; infinite if the ray misses.
     point : (..., 3) float64 array
-        Point of the hit in the world frame, rounded.
+        Point of the hit in the world frame, rounded; zero if the ray misses.
     """
 
     hit: bool | NDArray[np.bool_]
@@ -121,13 +122,14 @@ class PartPairs:
     Attributes
     ----------
     part_a, part_b : (k,) int64 array
-        Part of the first and of the second character, as indices into `Character.parts`; sorted.
+        Part of the first and of the second character, as indices into `Character.parts`. Pairs are
+        sorted by `part_a`, then by `part_b`.
     point : (k, 3) float64 array
         Point of contact in the world frame, rounded.
     normal : (k, 3) float64 array
         Unit vector from the first part to the second, in the world frame.
     depth : (k,) float64 array
-        Penetration depth, in world units.
+        Upper bound of the penetration depth, in world units.
     """
 
     part_a: NDArray[np.int64]
@@ -161,17 +163,20 @@ class CharacterPose:
 
     @property
     def frames(self) -> NDArray[np.float64]:
-        """Rigid poses (p, 4, 4), world from the frame of each part's volume."""
+        """Rigid poses (p, 4, 4), rounded: world from the bone that each part is fixed to."""
         return self._core.frames()
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """Corners (2, 3), lower and upper, of a box in the world frame around all volumes."""
+        """Lower and upper corners (2, 3) of a world-frame box that contains all volumes."""
         return np.array(self._core.bounds())
 
     @property
     def vertices(self) -> NDArray[np.float64]:
-        """Vertices (n, 3) of the skinned surface in the world frame; computed at each access."""
+        """Vertices (n, 3) of the skinned surface in the world frame, rounded.
+
+        They are computed at each access.
+        """
         return self._core.vertices()
 
     def mesh(self) -> Mesh:
@@ -183,6 +188,8 @@ class CharacterPose:
 
     def ray_cast(self, origins: ArrayLike, directions: ArrayLike) -> PartHit:
         """Return the part whose volume each ray enters first; no volume on its way is missed.
+
+        If a ray enters several at the same parameter, the part with the lowest index is returned.
 
         Parameters
         ----------
@@ -265,6 +272,8 @@ class CharacterPose:
     def struck_by(self, shape: AnyShape, pose: ArrayLike | None = None) -> PartHit:
         """Return all parts that a shape, or the surface of a mesh, intersects; in order of index.
 
+        A part is left out only if it is proved to be apart.
+
         Parameters
         ----------
         shape : Shape or Mesh
@@ -285,7 +294,9 @@ class CharacterPose:
         return _part_hits(self._core.struck_by(shape, pose))
 
     def struck_by_character(self, other: CharacterPose) -> PartPairs:
-        """Return all intersecting pairs of a part of this character and a part of another one.
+        """Return all intersecting pairs of a part of this character and a part of another.
+
+        A pair is left out only if its parts are proved to be apart.
 
         Parameters
         ----------
@@ -310,7 +321,7 @@ class CharacterPose:
         Parameters
         ----------
         to : CharacterPose
-            The character at time 1.
+            A pose of the same character: its pose at time 1.
         shape : Shape
             A sphere, capsule, box, triangle or hull.
         pose_t0, pose_t1 : (4, 4) array_like of float32 or float64, or None

@@ -17,7 +17,7 @@ from impinge._shape import AnyShape
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contacts:
-    """Contacts of two shapes, one for each row: a point on either shape, and a common normal.
+    """Contacts of two shapes, one for each row: a point on each shape, and a common normal.
 
     Attributes
     ----------
@@ -35,8 +35,8 @@ class Contacts:
         Number of the manifold, from zero. All contacts of one manifold have the same normal.
     ids : (k, 2, 4) uint32 array
         Features in contact, which stay the same from call to call as long as the contact persists.
-        For either shape: the part of a compound, the kind of feature (0 a corner, 1 an edge, 2 a
-        face), and its number or the two corners of an edge.
+        For each shape four numbers: the part of a compound, the kind of feature (0 corner, 1 edge,
+        2 face), and two indices. An edge has two corners; a corner or face has its index and 0.
     """
 
     normal: NDArray[np.float64]
@@ -162,9 +162,9 @@ def contacts(
     Parameters
     ----------
     a, b, pose_a, pose_b, solid, on_error, progress
-        As for `intersects`. A row with an invalid pose has no contacts.
+        As for `intersects`. A row with an invalid pose has no contacts; check its status.
     margin : float
-        Maximum distance, in world units, at which points still count as contacts.
+        Maximum distance, in world units, at which points still count as contacts; at least zero.
     most_points : int
         Maximum number of contacts with one normal, at least one: the deepest contact, the farthest
         from it, and then those that add the most area.

@@ -86,7 +86,7 @@ def distance(
         As for `intersects`: the distance is zero if and only if `intersects` with the same `solid`
         returns True.
     on_error : {"raise", "status"}
-        How to treat an invalid pose. ``"status"`` returns distance 0, the safe answer, without
+        How to treat an invalid pose. ``"status"`` returns both bounds 0, the safe answer, without
         faces for its row, and also returns the `Status` of each row.
     progress : bool
         As for `intersects`.
@@ -177,7 +177,7 @@ def within(
     solid : {False, True, "a", "b"}
         As for `intersects`: a body inside a solid is within any clearance of it.
     on_error : {"raise", "status"}
-        As for `intersects`; the safe answer is True.
+        As for `intersects`: a row with an invalid pose gets True, the safe answer.
     progress : bool
         As for `intersects`.
 

@@ -79,6 +79,9 @@ class LoadWarning(UserWarning):
 class Status(IntEnum):
     """Status of one row of a call with ``on_error="status"``.
 
+    If nothing is proved, the row has a safe answer, which each function describes at `on_error`:
+    for example True for `intersects`, and 0 for `distance`.
+
     Examples
     --------
     >>> import numpy as np, impinge

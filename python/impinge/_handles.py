@@ -22,7 +22,7 @@ MAX_NUMBER = 2**64 - 1
 
 
 def handle(body: int) -> int:
-    """Return a single handle."""
+    """Validate a single handle, and return it as an int."""
     handles, lead = handles_of(body, "body")
     if lead:
         raise InputError(f"has shape {lead}; a single handle is expected", kind="shape", what="body")
@@ -30,7 +30,7 @@ def handle(body: int) -> int:
 
 
 def handles_of(bodies: ArrayLike, name: str = "bodies") -> tuple[Handles, tuple[int, ...]]:
-    """Return handles as a flat array, and their original shape."""
+    """Validate handles, and return them as a flat array, with their original shape."""
     array = _arrays.plain_numbers(bodies, name, MAX_NUMBER)
     return array.reshape(-1), array.shape
 

@@ -29,7 +29,7 @@ class Health:
     non_manifold_edges : int
         Number of edges that belong to more than two faces.
     misoriented_edges : int
-        Number of edges that belong to two faces with the same direction: one of the faces is inside
+        Number of edges that two faces use in the same direction, so that one of the faces is inside
         out.
     components : int
         Number of connected components: sets of faces that are linked by common points.
@@ -95,11 +95,11 @@ class TreeStatistics:
     depth : int
         Number of steps from the root to the deepest leaf.
     sah : float
-        Expected number of nodes that a small object inside the root's box overlaps: the sum of all
-        areas, divided by the area of the root.
+        Expected number of nodes that a small object inside the root's box overlaps: the sum of the
+        surface areas of all boxes, divided by that of the root's box.
     overlap : float
-        Share of an inner node's area that two of its children have in common; 0 if no children
-        overlap.
+        Surface areas that pairs of children have in common, summed over all inner nodes and divided
+        by the sum of the areas of the inner nodes; 0 if no children overlap.
     node_fill, leaf_fill : float
         Share of the slots that are used: of child slots in inner nodes, and of face slots in
         leaves.

@@ -184,7 +184,7 @@ class LimitedPairs(NamedTuple):
     """The first intersecting pairs of faces, up to a limit."""
 
     pairs: NDArray[np.uint32] | Pairs
-    """The first pairs of each pose, in sorted order."""
+    """(Face of a, face of b), sorted, (k, 2); `Pairs` if the poses have leading axes."""
     truncated: Booleans
     """Whether a pose has more pairs than were returned; an array if the poses have leading axes."""
 

@@ -119,7 +119,7 @@ def load_scene(
     Warns
     -----
     LoadWarning
-        If a part of the file was skipped, or if the mesh has no faces.
+        If a part of the file was skipped, or if the file has no faces.
 
     Examples
     --------

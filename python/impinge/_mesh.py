@@ -27,11 +27,11 @@ class HasTriangles(Protocol):
 
     @property
     def vertices(self) -> Any:
-        """(n, 3) coordinates."""
+        """Positions of the vertices, (n, 3)."""
 
     @property
     def faces(self) -> Any:
-        """(m, 3) indices."""
+        """Vertex indices of the faces, (m, 3)."""
 
 
 @final
@@ -44,10 +44,9 @@ class Mesh(PointQueries):
     Parameters
     ----------
     vertices : (n, 3) array_like of float32 or float64
-        Positions in the mesh frame and unit, below 2^128 in magnitude, of any memory layout;
-        copied. Each coordinate is the exact real number that the float represents. Lists are read
-        as float64. Without `faces`, pass a mesh of another library that has ``vertices`` and
-        ``faces``, such as ``trimesh.Trimesh``.
+        Positions in the mesh frame and unit, below 2^128 in magnitude; copied. Each coordinate is
+        the exact real number that the float represents. Lists are read as float64. Without `faces`,
+        a mesh of another library that has ``vertices`` and ``faces``, such as ``trimesh.Trimesh``.
     faces : (m, 3) array_like of integers
         Three vertex indices for each face, counted from zero; copied. A negative index is an error.
 
@@ -59,11 +58,10 @@ class Mesh(PointQueries):
 
     Notes
     -----
-    Building takes O(n log n) time on all cores, with the interpreter's lock released.
-
-    A copy (`copy.copy`, `copy.deepcopy`) shares all data until one of the two is refitted. A mesh
-    pickles its vertices and faces, out of band with protocol 5. Unpickling builds the hierarchy
-    again; to share one between processes, `bake` it and load the file in each process.
+    Building takes O(n log n) time on all cores, with the interpreter's lock released. A copy
+    (`copy.copy`, `copy.deepcopy`) shares all data until one of the two is refitted. A mesh pickles
+    its vertices and faces, out of band with protocol 5. Unpickling builds the hierarchy again; to
+    share one between processes, `bake` it and load the file in each process.
 
     Examples
     --------
@@ -106,9 +104,8 @@ class Mesh(PointQueries):
         Parameters
         ----------
         baked : bytes or any object with a buffer of bytes
-            For example ``memoryview``, ``mmap.mmap`` or the ``buf`` of a ``SharedMemory``, with
-            exactly the bytes, contiguous; copied once. `impinge.load` opens files without a copy,
-            including shared memory that has a path.
+            For example an ``mmap.mmap`` or the ``buf`` of a ``SharedMemory``, with exactly the
+            bytes, contiguous; copied once. `impinge.load` opens files without a copy.
 
         Raises
         ------
@@ -132,8 +129,7 @@ class Mesh(PointQueries):
     def vertices(self) -> NDArray[np.float32] | NDArray[np.float64]:
         """Positions (n, 3) in the mesh frame, read-only; copied on first use.
 
-        The type is that of the input. A baked mesh has float32 if that is exact for all
-        coordinates.
+        The type is that of the input. A baked mesh has float32 if that is exact.
         """
         return super().vertices
 
@@ -154,9 +150,10 @@ class Mesh(PointQueries):
 
     @property
     def is_closed(self) -> bool:
-        """Report whether each edge is used equally often in both directions: the inside is exact.
+        """Report whether each edge is used equally often in both directions.
 
-        Edges are identified by the positions of their ends. The first call takes O(n log n) time.
+        The inside is then exact. Edges are identified by the positions of their ends. The first
+        call takes O(n log n) time.
         """
         return super().is_closed
 
@@ -179,13 +176,13 @@ class Mesh(PointQueries):
         Parameters
         ----------
         weld : float, default 0.0
-            Maximum distance by which a vertex may be moved onto the nearest earlier vertex that has
-            not moved, in the unit of the mesh.
+            Maximum distance, in the unit of the mesh, by which a vertex is moved: to the nearest
+            earlier vertex that has not moved. Zero moves no vertex.
         orient : bool, default False
-            Whether to turn faces so that neighbors agree on an outer side. Connected faces take the
-            side that at least three quarters of their area have, or else the side with which they
-            enclose a positive volume, or else that of most of their area. If all of them then
-            enclose a negative volume, all are turned.
+            Whether to turn faces so that neighbors agree on the orientation. Linked faces take the
+            orientation that at least 3/4 of their area have; otherwise, if closed, the one that
+            encloses a positive volume; otherwise that of most of their area. If all closed groups
+            together then enclose a negative volume, these groups are turned.
 
         Raises
         ------
@@ -209,9 +206,9 @@ class Mesh(PointQueries):
     def closing_tolerance(self) -> float | None:
         """Return a tolerance at which welding closes every open edge, in O(n log n) time.
 
-        It is the smallest of 10^-16, 10^-15, up to 10^-4 times the size of the mesh that does so;
-        the size is rounded up to a power of ten. None if none of them does, if no edge is open, or
-        if there are more than 131,072 open edges.
+        It is in the unit of the mesh: the smallest of 10^-16, 10^-15, up to 10^-4 times the largest
+        extent, rounded up to a power of ten. None if none of them closes all edges, if no edge is
+        open, or if there are more than 131,072 open edges.
 
         Examples
         --------
@@ -233,9 +230,8 @@ class Mesh(PointQueries):
         """Move the vertices; the faces stay the same.
 
         The hierarchy keeps its structure and updates its boxes, several times faster than a
-        rebuild. Calls that run at the same time use the mesh as it was. Answers do not depend on
-        the structure, except as `rebuild` describes. If `aging` shows that queries became slow,
-        call `rebuild`.
+        rebuild. Calls that run at the same time use the mesh as it was. If `aging` shows that
+        queries became slow, call `rebuild`.
 
         Parameters
         ----------
@@ -245,8 +241,8 @@ class Mesh(PointQueries):
         Raises
         ------
         InputError
-            If the array has another shape or type, or a coordinate is not finite or out of range.
-            The mesh does not change then.
+            If the array has another shape or type, or a coordinate is not finite or out of range;
+            the mesh does not change then.
 
         Examples
         --------
@@ -283,7 +279,7 @@ class Mesh(PointQueries):
 
     @property
     def aging(self) -> float:
-        """Cost of a query by the surface area heuristic, relative to 1 after the last build.
+        """Expected cost of a query (surface area heuristic), divided by that after the last build.
 
         Above about 1.5, `rebuild` pays off within a few dozen queries.
         """
@@ -301,9 +297,8 @@ class Mesh(PointQueries):
             Algorithm. ``"auto"``, the default of new meshes, uses ``"sweep-sah"`` for up to 8,192
             faces, ``"binned-sah"`` for up to 131,072, and ``"morton"``, which builds 5 times as
             fast, for more. For a large mesh with many queries use ``"binned-sah"``: it takes about
-            0.4 microseconds for each face, and queries are up to several times faster if face sizes
-            vary. ``"median"``, ``"ploc"``, ``"insertion"`` and ``"reinsertion"`` are for
-            comparison.
+            0.4 microseconds for each face, and queries are several times faster if face sizes vary.
+            ``"median"``, ``"ploc"``, ``"insertion"`` and ``"reinsertion"`` are for comparison.
 
         Raises
         ------
@@ -323,9 +318,8 @@ class Mesh(PointQueries):
     def bake(self, path: str | os.PathLike[str], *, proxies: bool = False) -> None:
         """Write the mesh with its hierarchy to a file that `impinge.load` maps without building.
 
-        Processes that load the file share one hierarchy, because it is memory-mapped. A file in
-        ``/dev/shm`` stays in memory. Do not write to the file while it is in use. Baking to the
-        same path again replaces the file, and does not affect users of the old one.
+        Processes that load the file share one hierarchy. A file in ``/dev/shm`` stays in memory.
+        Do not write to a file in use; baking to its path again replaces it for later users only.
 
         Parameters
         ----------
@@ -337,8 +331,7 @@ class Mesh(PointQueries):
         Raises
         ------
         InputError
-            If the path has another extension, or if `proxies` is set and the mesh comes from a file
-            whose proxies do not match it.
+            If the path has another extension, or if proxies from the mesh's file do not match it.
         OSError
             If the file cannot be written.
 
@@ -361,8 +354,7 @@ class Mesh(PointQueries):
 
         Examples
         --------
-        Several processes that map one hierarchy without a file, on Linux; each loads it by its
-        path::
+        Processes on Linux that share one hierarchy without a file; each loads it by its path::
 
             baked = mesh.to_baked()
             shared = multiprocessing.shared_memory.SharedMemory(create=True, size=len(baked))

@@ -69,7 +69,7 @@ class Motion(_impinge.MotionBase):
         pose_t0 : (..., 4, 4) array_like of float32 or float64, or None
             World from body at the start.
         linear : (..., 3) array_like of float32 or float64
-            Translation of the pivot from time 0 to time 1, in the world frame.
+            Translation of the pivot from time 0 to time 1, in world units, in the world frame.
         angular : (..., 3) array_like of float32 or float64
             Rotation of the body from time 0 to time 1, in the world frame: the unit axis times the
             angle in radians, at most 2^20.
@@ -110,7 +110,7 @@ class Motion(_impinge.MotionBase):
         return self
 
     def at(self, t: float) -> NDArray[np.float64]:
-        """Return the poses at a time, world from body, (..., 4, 4).
+        """Return the poses at a time from 0 to 1, world from body, (..., 4, 4), rounded.
 
         At time 0 the result is exactly the first pose. A time outside of [0, 1] gives the pose at
         the nearer end.
@@ -150,12 +150,13 @@ class Impact:
     Attributes
     ----------
     hit : bool or (...) bool array
-        Whether contact is possible: it is proved, or not disproved.
+        Whether contact is possible: False only if it is disproved for all of [0, 1].
     t_lower : float or (...) float64 array
-        Lower bound: the bodies are apart before this time. Infinite if and only if contact is
-        disproved for all of [0, 1].
+        Lower bound in [0, 1]: the bodies are apart before this time. Infinite if and only if `hit`
+        is False.
     t_upper : float or (...) float64 array
-        Upper bound: the bodies touch no later than this time. Infinite if contact is not proved.
+        Upper bound in [0, 1]: the bodies touch no later than this time. Infinite if contact is not
+        proved.
     """
 
     hit: bool | NDArray[np.bool_]
@@ -182,7 +183,8 @@ def time_of_impact(
     a, b : Mesh or Shape
         The two things.
     motion_a, motion_b : Motion, optional
-        None is a body at rest at the origin. The leading axes of both broadcast as in NumPy.
+        World from body at times 0 to 1. None is a body at rest at the identity. The leading axes
+        of both broadcast as in NumPy.
     solid : {False, True, "a", "b"}
         As for `intersects`: a body that starts inside a solid touches it at the start.
     progress : bool

@@ -19,7 +19,7 @@ class Origin:
     path : str
         Path of the file; empty for a mesh that was read from bytes.
     format : str
-        Format that was detected.
+        Name of the file format that was detected.
     unit : str or None
         Unit of the vertices, such as ``"mm"``, if known.
     polygons : (m,) uint32 array

@@ -32,7 +32,7 @@ class PartBodies:
     character : Character
         The character.
     bodies : (p,) uint64 array
-        Handles, one for each part.
+        Handles of the bodies, one for each part, in the order of `Character.parts`.
 
     Examples
     --------
@@ -111,12 +111,12 @@ class PartBodies:
         Parameters
         ----------
         bodies : int or (...) array_like of integers
-            Handles, such as the pairs that began.
+            Handles of bodies, such as `Step.began`.
 
         Returns
         -------
         int or (...) int64 array
-            Indices of the parts.
+            Indices of the parts, in the shape of `bodies`.
         """
         handles, lead = handles_of(bodies)
         order = np.argsort(self.bodies)

@@ -31,10 +31,10 @@ class Options(NamedTuple):
 
 
 class Partition:
-    """Boxes under keys, and queries on them; `impinge.partition` has the kinds.
+    """Base class of all partitions: axis-aligned boxes in one frame, each with an integer key.
 
-    Every kind returns the same answers. They are exact, touching counts, and a point is a box
-    without extent.
+    `impinge.partition` lists the kinds, which all return the same answers. Overlaps are exact,
+    touching counts, and a point is a box without extent.
     """
 
     __slots__ = ("_core", "_options")
@@ -76,9 +76,9 @@ class Partition:
 
     @property
     def bounds(self) -> NDArray[np.float64] | None:
-        """Corners (2, 3) of a box around all boxes; None if there are no boxes.
+        """Lower and upper corners (2, 3) of a box that contains all boxes; None if there are none.
 
-        It may be too large after boxes were removed.
+        It may be larger than necessary after boxes were removed.
         """
         return self._core.bounds()
 
@@ -103,7 +103,7 @@ class Partition:
         Returns
         -------
         (n, 2, 3) float64 array
-            Lower and upper corners.
+            Lower and upper corners of the boxes.
 
         Raises
         ------
@@ -113,13 +113,13 @@ class Partition:
         return self._core.boxes(self.keys if keys is None else _keys(keys, "keys"))
 
     def overlapping(self, low: ArrayLike, high: ArrayLike | None = None) -> NDArray[np.uint32] | Keys:
-        """Return the boxes that overlap given boxes or points.
+        """Return the keys of the boxes that overlap given boxes or points.
 
         Parameters
         ----------
         low, high : (..., 3) array_like of float32 or float64
-            Lower and upper corners, below 2^320 in magnitude; leading axes broadcast as in NumPy.
-            Without `high`, the queries are points.
+            Lower and upper corners in the frame of the boxes, below 2^320 in magnitude; leading
+            axes broadcast as in NumPy. Without `high`, the queries are points.
 
         Returns
         -------
@@ -145,7 +145,7 @@ class Partition:
         return Keys(offsets, keys, tuple(shape)) if shape else keys
 
     def ray_cast(self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf) -> BoxHit:
-        """Return the first box that each ray enters, by parameter and then by key.
+        """Return the first box that each ray enters: at the smallest parameter, then by key.
 
         No box that a ray enters is missed. A ray that misses a box by a relative distance of 2^-50
         may count as entering it.
@@ -153,7 +153,7 @@ class Partition:
         Parameters
         ----------
         origins : (..., 3) array_like of float32 or float64
-            Below 2^300 in magnitude.
+            In the frame of the boxes, below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
             With a length from 2^-600 to 2^300. The leading axes of both broadcast as in NumPy.
         reach : float
@@ -210,7 +210,7 @@ class Partition:
         Parameters
         ----------
         points : (..., 3) array_like of float32 or float64
-            Below 2^320 in magnitude.
+            In the frame of the boxes, below 2^320 in magnitude.
         count : int
             Number of boxes for each point.
 
@@ -235,13 +235,14 @@ class Partition:
         return Nearest(*_impinge.partition_nearest(self._core, points, whole(count, "count")))
 
     def pairs(self) -> NDArray[np.uint32]:
-        """Return all pairs of overlapping boxes, (k, 2), sorted, the smaller key first."""
+        """Return the keys of all overlapping pairs, (k, 2), sorted, the smaller key first."""
         return _impinge.partition_pairs(self._core)
 
     def pairs_with(self, other: Partition) -> NDArray[np.uint32]:
-        """Return all overlapping pairs of a box of this partition and a box of another one.
+        """Return all overlapping pairs of a box of this partition and a box of another partition.
 
-        The result has shape (k, 2), with the key in this partition first, and is sorted.
+        The result has shape (k, 2), with the key in this partition first, and is sorted. Both
+        partitions are taken to be in the same frame.
 
         Raises
         ------
@@ -270,14 +271,14 @@ class DynamicPartition(Partition):
             several times, its last box is used. Memory grows with the largest key, so use dense
             keys: a key of at least 2^20 is rejected if it is 16 times the number of boxes.
         low, high : (n, 3) array_like of float32 or float64
-            New corners, as for `overlapping`.
+            New lower and upper corners, as for `overlapping`.
         removed : (m,) array_like of integers
             Keys of existing boxes to remove.
 
         Returns
         -------
         Changes
-            The pairs that began and ended to overlap.
+            The pairs that began to overlap, and those that no longer do.
 
         Raises
         ------

@@ -69,7 +69,7 @@ class BoxHits(Ragged[BoxHit]):
         go from ``offsets[i]`` to ``offsets[i + 1]``. The boxes of a ray are sorted by `t`, then by
         key.
     t : (k,) float64 array
-        As in `BoxHit`.
+        Ray parameters of the entries, as in `BoxHit`.
     key : (k,) int64 array
         Keys of the boxes.
     shape : tuple of int
@@ -101,8 +101,8 @@ class Nearest:
     key : (..., count) int64 array
         Keys of the boxes; -1 if there are fewer than `count` boxes.
     distance : (..., count) float64 array
-        Distance from the point to the box, zero inside, with a relative error of at most 2^-50;
-        infinite if `key` is -1.
+        Distance from the point to the box, in the unit of the boxes, with a relative error of at
+        most 2^-50; zero inside, infinite if `key` is -1.
     """
 
     key: NDArray[np.int64]
@@ -116,9 +116,9 @@ class Changes:
     Attributes
     ----------
     began : (k, 2) uint32 array
-        Pairs that overlap now and did not before.
+        Keys of the pairs that overlap now and did not before.
     ended : (k, 2) uint32 array
-        Pairs that overlapped before and do not now.
+        Keys of the pairs that overlapped before and do not now.
     """
 
     began: NDArray[np.uint32]

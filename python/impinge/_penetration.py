@@ -21,17 +21,17 @@ class Penetration:
     Attributes
     ----------
     depth : float or (...) float64 array
-        Equal to `upper`; zero if the two are apart or only touch.
+        Equal to `upper`; zero if `a` and `b` are apart.
     lower, upper : float or (...) float64 array
-        Bounds of the penetration depth, in world units. Moving the second by `upper` along the
-        normal separates the interiors; no translation shorter than `lower` does. Infinite if no
-        translation separates them.
+        Bounds of the penetration depth, in world units. Moving `b` by `upper` along the normal
+        separates the interiors; no translation shorter than `lower` does. `upper` is infinite if
+        no such translation is known.
     normal : (..., 3) float64 array
-        Unit vector from the first to the second, in the world frame; zero if they are apart.
+        Unit vector from `a` to `b`, in the world frame; zero if they are apart.
     point_a, point_b : (..., 3) float64 array
         Deepest point of each in the other, in the world frame, rounded; zero if they are apart.
     hit : bool or (...) bool array
-        Whether they intersect.
+        Whether `a` and `b` intersect; True if that is undecided.
     """
 
     depth: float | NDArray[np.float64]
@@ -70,17 +70,17 @@ def penetration(
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
         World from mesh; None is the identity. Leading axes broadcast as in NumPy.
     on_error : {"raise", "status"}
-        As for `intersects`. For an invalid pose the bounds are zero and infinity.
+        As for `intersects`. For an invalid pose the bounds are zero and infinity, the vectors are
+        zero, and `hit` is True.
     progress : bool
         As for `intersects`.
 
     Returns
     -------
     Penetration
-        A translation of `b` by `upper` along the normal that separates the interiors; no
-        translation shorter than `lower` does. Zero if the two touch or are apart. The bounds are
-        close for two convex shapes. For meshes and compounds the shortest translation is found by a
-        search that costs about a hundred distance queries for each row.
+        The fields have the leading axes of the poses. The bounds are close for two convex shapes.
+        For meshes and compounds the shortest translation is found by a search that costs about a
+        hundred distance queries for each row.
 
     Raises
     ------

@@ -69,7 +69,7 @@ class RayHits(Ragged[RayHit]):
         Start of each ray's hits: the hits of ray ``i``, in row-major order of the leading axes, go
         from ``offsets[i]`` to ``offsets[i + 1]``. The hits of a ray are in the order along the ray.
     t : (k,) float64 array
-        Ray parameters of the hits, in units of the directions' lengths.
+        Ray parameters of the hits, as in `RayHit`.
     face : (k,) int64 array
         Faces that are hit.
     point : (k, 3) float64 array

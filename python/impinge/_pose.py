@@ -21,7 +21,7 @@ def pose(
     rpy: ArrayLike | None = None,
     rotation: ArrayLike | None = None,
 ) -> NDArray[np.float64]:
-    """Return the matrix, world from local, of a rotation followed by a translation.
+    """Return the pose, world from local, that rotates and then translates.
 
     All arguments may have leading axes, which broadcast as in NumPy.
 

@@ -20,12 +20,13 @@ from impinge._shape import AnyShape, Shape
 
 
 class SceneReport:
-    """Pairs of parts that a check found, for each configuration.
+    """Pairs of parts that `Scene.check` found to answer its question, for each configuration.
 
     Attributes
     ----------
     intersects : bool or (...) bool array
-        Whether any pair was found, for each configuration. An undecided pair counts as found.
+        Whether any pair was found, whatever the question, for each configuration. An undecided pair
+        counts as found.
     status : (...) uint8 array or None
         The `Status` of each configuration with ``on_error="status"``, otherwise None.
     """
@@ -184,7 +185,7 @@ class Scene:
         return tuple(pair for pair in combinations(self._parts, 2) if frozenset(pair) not in self._ignored)
 
     def ignore(self, a: str, b: str) -> None:
-        """Exclude the pair of two parts from later checks.
+        """Exclude the pair of two named parts, in either order, from later checks.
 
         Raises
         ------
@@ -194,7 +195,10 @@ class Scene:
         self._ignore((a, "a"), (b, "b"))
 
     def _ignore(self, a: tuple[str, str], b: tuple[str, str]) -> None:
-        """Exclude a pair; each item is a name, and the argument that contained it."""
+        """Exclude a pair.
+
+        Each item is the name of a part and, for error messages, the name of the argument.
+        """
         for name, what in (a, b):
             self._check_name(name, what)
         self._ignored.add(frozenset((a[0], b[0])))
@@ -228,8 +232,8 @@ class Scene:
             Whether a configuration is finished at the first pair found, in the order of `pairs`, or
             all pairs are checked.
         on_error : {"raise", "status"}
-            How to treat an invalid pose. With ``"status"`` its part counts as near every other
-            part.
+            How to treat an invalid pose. With ``"status"`` all checked pairs of its part count as
+            found in that configuration.
         progress : bool
             As for `intersects`.
 

@@ -20,7 +20,7 @@ class Shape(_impinge.ShapeBase):
     """A shape in its own frame, made by a constructor such as `sphere`, `capsule`, `box` or `hull`.
 
     Lengths are in the unit of the shape, finite, at least zero and below 2^128. A shape is
-    immutable and takes only a few numbers to store, so many bodies and threads may share one. It
+    immutable and takes only a few numbers to store. Bodies and threads may share one. It
     pickles its constructor's arguments; a copy is the shape itself.
 
     Boxes, triangles, hulls, half-spaces and meshes accept any affine pose. Round shapes require a
@@ -89,7 +89,7 @@ class Shape(_impinge.ShapeBase):
 
     @classmethod
     def box(cls, half_extents: ArrayLike) -> Shape:
-        """Return a solid box about the origin, aligned with the axes.
+        """Return a solid box centered at the origin, aligned with the axes.
 
         Parameters
         ----------
@@ -137,7 +137,7 @@ class Shape(_impinge.ShapeBase):
 
     @classmethod
     def ellipsoid(cls, half_axes: ArrayLike) -> Shape:
-        """Return a solid ellipsoid about the origin, aligned with the axes.
+        """Return a solid ellipsoid centered at the origin, aligned with the axes.
 
         Parameters
         ----------
@@ -231,8 +231,8 @@ class Shape(_impinge.ShapeBase):
         Parameters
         ----------
         parts : iterable of (Shape or Mesh, (4, 4) array_like or None)
-            The shapes, each with its pose in the frame of the compound. If a part is itself a
-            compound, contacts number its parts separately.
+            The shapes, each with its pose in the frame of the compound. A part that is itself a
+            compound is replaced by its own parts, each with its own index in contacts.
 
         Raises
         ------
@@ -255,13 +255,13 @@ class Shape(_impinge.ShapeBase):
 
     @property
     def kind(self) -> str:
-        """Name of the constructor."""
+        """Name of the constructor that made the shape, such as ``"sphere"``."""
         kind = self._made_of[0]
         return "mesh" if kind == "solid" else kind
 
     @property
     def bounds(self) -> NDArray[np.float64] | None:
-        """Corners (2, 3), lower and upper, of a box that contains the shape in its own frame.
+        """Lower and upper corners (2, 3) of a box that contains the shape, in its own frame.
 
         None if the shape is unbounded or empty.
         """

@@ -59,7 +59,7 @@ class SolidBsp:
 
     @property
     def cells(self) -> int:
-        """Number of cells."""
+        """Number of convex cells."""
         return self._core.size()[0]
 
     @property
@@ -68,7 +68,7 @@ class SolidBsp:
         return self._core.size()[1]
 
     def contains(self, points: ArrayLike) -> bool | NDArray[np.bool_]:
-        """Report whether points are inside the mesh as a solid; equal to `Mesh.contains`.
+        """Report whether points are inside the mesh as a solid, or on it, as `Mesh.contains` does.
 
         Parameters
         ----------
@@ -89,7 +89,7 @@ class SolidBsp:
         return scalar(self._core.contains(points))  # type: ignore[no-any-return]
 
     def ray_cast(self, origins: ArrayLike, directions: ArrayLike) -> RayHit:
-        """Return the first face that each ray hits; equal to `Mesh.ray_cast`.
+        """Return the first face that each ray hits; the result equals that of `Mesh.ray_cast`.
 
         Parameters
         ----------

@@ -17,7 +17,7 @@ Numbers: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 @dataclass(frozen=True, eq=False)
 class Volume:
-    """Base class of all volumes.
+    """Base class of all volumes; a volume is in the frame and unit of its points.
 
     Attributes
     ----------
@@ -33,16 +33,16 @@ class Volume:
 
 @dataclass(frozen=True, eq=False)
 class Sphere(Volume):
-    """A sphere.
+    """A sphere that contains all points that it was made from.
 
     Attributes
     ----------
     center : (3,) float64 array
-        Center of the sphere.
+        Center of the sphere, in the frame of the points.
     radius : float
         Radius, rounded up, so that every point is inside.
     lower : float
-        Lower bound: no sphere that contains the points has a smaller radius.
+        Lower bound of the radius: no sphere that contains the points is smaller. Zero if unknown.
     """
 
     center: NDArray[np.float64]
@@ -57,13 +57,15 @@ class Obb(Volume):
     Attributes
     ----------
     center : (3,) float64 array
-        Center of the box.
+        Center of the box, in the frame of the points.
     axes : (3, 3) float64 array
-        Three orthogonal unit vectors, one for each row.
+        Directions of the edges in the frame of the points: a unit vector in each row, orthogonal to
+        the others to within rounding.
     half_extents : (3,) float64 array
         Half the lengths along the axes, rounded up.
     volume_lower : float
-        Lower bound: no convex set that contains the points has a smaller volume. Zero if unknown.
+        Lower bound of the volume: no convex set that contains the points is smaller. Zero if
+        unknown.
     """
 
     center: NDArray[np.float64]
@@ -79,7 +81,7 @@ class Capsule(Volume):
     Attributes
     ----------
     start, end : (3,) float64 array
-        Ends of the segment, which may be equal.
+        Ends of the segment, in the frame of the points; they may be equal.
     radius : float
         Radius, rounded up.
     """
@@ -96,7 +98,7 @@ class Lozenge(Volume):
     Attributes
     ----------
     corner : (3,) float64 array
-        A corner of the rectangle.
+        A corner of the rectangle, in the frame of the points.
     edges : (2, 3) float64 array
         The two edges of the rectangle from `corner`, one for each row.
     radius : float
@@ -117,7 +119,7 @@ class Kdop(Volume):
     directions : (k / 2, 3) float64 array
         Normals of the planes, with entries -1, 0 and 1; not of unit length.
     low, high : (k / 2,) float64 array
-        Minimum and maximum of the points along each direction, rounded outward.
+        Minimum and maximum of ``direction @ point`` over the points, rounded outward.
     """
 
     directions: NDArray[np.float64] = field(repr=False)
@@ -127,7 +129,7 @@ class Kdop(Volume):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Hull:
-    """The convex hull of points; exact.
+    """The convex hull of points, as indices into the points; exact.
 
     Attributes
     ----------

@@ -49,11 +49,9 @@ class World(WorldQueries):
 
     Notes
     -----
-    Steps and queries use all processors (see `impinge.threads`), with the interpreter's lock
-    released; calls from several threads run one after another.
-
-    A copy (`copy.copy`, `copy.deepcopy`) is an independent world that shares the shapes. A world
-    pickles the state of `save`, its options, and its filter, which must be picklable.
+    Steps and queries use all processors (see `impinge.threads`), without the interpreter's lock.
+    Calls from several threads run one after another. A copy is an independent world that shares the
+    shapes. A world pickles its options, its filter, which must be picklable, and its state.
 
     Examples
     --------
@@ -95,7 +93,7 @@ class World(WorldQueries):
         Parameters
         ----------
         shape : Shape or Mesh
-            Shared by the bodies. A mesh is its surface in its current state.
+            Shape of all the bodies. A mesh is its surface in its current state.
         pose : (..., 4, 4) array_like of float32 or float64, optional
             World from body, for one body or for many.
         kind : {"moving", "kinematic", "static"}
@@ -108,12 +106,11 @@ class World(WorldQueries):
         tag : (...) array_like of integers
             Numbers chosen by the caller, by which reports are sorted.
         realigned_by : {"own", "rotated", "loose", "hull", "climbing"}
-            Update of the bodies' boxes after moves; it affects no answer. ``"own"`` is tight for
-            convex shapes, and ``"rotated"``, the box of the rotated local box, for meshes.
-            ``"loose"`` is the box of a sphere about the body's origin. ``"hull"`` and
-            ``"climbing"`` are tight: one tests all vertices of the convex hull, the other climbs on
-            it from the last extreme vertices. ``docs/notes/realigning.md`` compares them. Compounds and
-            half-spaces use ``"own"``.
+            Method that updates the bodies' boxes after moves; it affects no answer. ``"own"`` is
+            tight for convex shapes; a mesh gets the box of its rotated local box, as with
+            ``"rotated"``. ``"loose"`` is the box of a sphere about the body's origin. ``"hull"``
+            and ``"climbing"`` are tight: one tests all vertices of the convex hull, the other
+            climbs on it. Compounds and half-spaces use ``"own"``. See ``docs/notes/realigning.md``.
 
         Returns
         -------
@@ -151,16 +148,14 @@ class World(WorldQueries):
     def step(
         self, bodies: ArrayLike | None = None, poses: ArrayLike | None = None, *, persisting: bool = False
     ) -> Step:
-        """Move bodies, and return the pairs that began and ended.
-
-        The cost depends on the bodies that move and their pairs; other bodies cost nothing.
+        """Move bodies, and return the pairs that began and ended; other bodies cost nothing.
 
         Parameters
         ----------
         bodies : int or (...) array_like of integers, optional
             Handles of the bodies that move. If a handle occurs twice, its last pose is used.
         poses : (..., 4, 4) array_like of float32 or float64, optional
-            World from body, one for each body or one for all.
+            World from body at the new position, one for each body or one for all.
         persisting : bool
             Whether to return also the pairs that intersected before and still do.
 
@@ -175,7 +170,7 @@ class World(WorldQueries):
             If a handle is stale, a body is static, or a pose is invalid, or not rigid and the shape
             is round. The error names the entry; no body is moved.
         Exception
-            Any exception that a filter raised. The pair counts as admitted; the step is complete.
+            Any exception of the filter. The pair counts as admitted; the step is complete.
         """
         if (bodies is None) != (poses is None):
             what = "poses" if poses is None else "bodies"
@@ -185,9 +180,9 @@ class World(WorldQueries):
         return Step(began, ended, persisted, Work(*work))
 
     def pairs(self, body: int | None = None) -> NDArray[np.uint64]:
-        """Return the pairs that intersected at the last step, (p, 2) handles, sorted.
+        """Return the pairs that intersected at the last step, as (p, 2) handles, sorted by tag.
 
-        If `body` is given, only the pairs of this body are returned.
+        If `body`, a handle, is given, only its pairs are returned. Undecided pairs are included.
 
         Raises
         ------
@@ -197,13 +192,13 @@ class World(WorldQueries):
         return self._core.pairs(None if body is None else handle(body))[0]
 
     def undecided(self) -> NDArray[np.bool_]:
-        """Report which of `pairs` are undecided, (p,): round shapes touching to within rounding."""
+        """Report which of `pairs` are undecided, (p,): round shapes that touch within rounding."""
         return self._core.pairs(None)[1]
 
     def contacts(self) -> ContactRows:
         """Return the contacts of `pairs` at the last step: row ``i`` belongs to pair ``i``.
 
-        They equal those of `impinge.contacts`. Empty if the world has another `narrow_phase`.
+        They equal those of `impinge.contacts`. Empty unless `narrow_phase` is ``"contacts"``.
         """
         offsets, columns = self._core.contacts()
         return contact_rows(offsets, columns, (len(offsets) - 1,))
@@ -225,7 +220,7 @@ class World(WorldQueries):
         return self._core.poses(handles).reshape(*lead, 4, 4)
 
     def tags(self, bodies: ArrayLike) -> Any:
-        """Return the tags of bodies, (...) uint64, of pairs for example.
+        """Return the tags of bodies, (...) uint64, in the shape of `bodies`.
 
         Raises
         ------
@@ -236,7 +231,9 @@ class World(WorldQueries):
         return scalar(self._core.tags(handles).reshape(lead))
 
     def bounds(self, bodies: ArrayLike) -> NDArray[np.float64]:
-        """Return boxes (..., 2, 3) around bodies in the world frame; infinite if unbounded.
+        """Return lower and upper corners, (..., 2, 3), of world-frame boxes around bodies.
+
+        They are infinite for a body that is unbounded or empty.
 
         Raises
         ------
@@ -276,7 +273,7 @@ class World(WorldQueries):
         Parameters
         ----------
         bodies : int or (...) array_like of integers
-            Handles.
+            Handles of the bodies.
         kind, layers, meets, owner
             As for `insert`. All of them are set: an omitted argument is reset to its default.
 
@@ -290,7 +287,7 @@ class World(WorldQueries):
         self._core.set_traits(handles, (kind, mask(layers, "layers"), mask(meets, "meets")), owners)
 
     def set_shape(self, body: int, shape: AnyShape) -> None:
-        """Replace the shape of a body; the next step reports the changes.
+        """Replace the shape of the body with a handle; the next step reports the changes.
 
         Raises
         ------
@@ -329,10 +326,9 @@ class World(WorldQueries):
         admits : callable or None
             ``admits(a, b)`` returns whether two bodies may collide; None admits all pairs. The
             arguments are handles, sorted by tag, then by handle. It is called for pairs with
-            overlapping boxes that kinds, layers and owners admit. It must always return the same
-            result for the same pair, and must not call this world, nor impinge with many rows. The
-            threads of a step call it one at a time, because each needs the interpreter's lock:
-            layers and owners are much faster.
+            overlapping boxes that kinds, layers and owners admit, by one thread at a time, so that
+            layers and owners are much faster. It must always return the same result for the same
+            pair, and must not call this world, nor impinge with many rows.
         """
         if admits is not None and not callable(admits):
             raise InputError(f"must be callable, not {type(admits).__name__}", kind="type", what="admits")
@@ -342,9 +338,8 @@ class World(WorldQueries):
     def save(self) -> WorldState:
         """Return a snapshot of everything that steps change, for `restore`.
 
-        After `restore`, the same steps return bitwise equal results. The filter is not included. A
-        snapshot copies the bodies' records and shares the shapes. It is picklable: arrays are sent
-        out of band with protocol 5, and each shape is stored once.
+        After `restore`, the same steps return bitwise equal results. The filter is not included.
+        A snapshot shares the shapes, and is picklable, with arrays out of band with protocol 5.
         """
         return self._core.save()
 

@@ -12,12 +12,12 @@ from impinge._ragged import Ragged
 
 @dataclass(frozen=True)
 class Work:
-    """Amount of work in a step, as counts that depend on nothing but the bodies.
+    """Amount of work in a step, as counts that do not depend on threads or on the machine.
 
     Attributes
     ----------
     changed : int
-        Number of bodies that changed.
+        Number of bodies that were inserted, moved or otherwise changed since the previous step.
     gained, lost : int
         Numbers of pairs of boxes that started and stopped overlapping.
     examined : int
@@ -35,7 +35,7 @@ class Work:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Step:
-    """Changes at a step. Pairs are sorted by the tags of the bodies, then by their handles.
+    """Pairs that began and ended to intersect at a step, sorted by the bodies' tags, then handles.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Bodies(Ragged[NDArray[np.uint64]]):
         Start of each query's bodies: the bodies of query ``i``, in row-major order of the leading
         axes, are ``handles[offsets[i]:offsets[i + 1]]``.
     handles : (k,) uint64 array
-        Handles, for each query sorted by tag, then by handle.
+        Handles of the bodies, for each query sorted by tag, then by handle.
     shape : tuple of int
         The leading axes of the queries; their product is ``n``.
 
@@ -110,13 +110,14 @@ class BodyRayHit:
         Whether the ray hits a body.
     t : float or (...) float64 array
         Ray parameter of the hit, in units of the direction's length; zero if the ray starts inside
-        a shape, infinite if it misses.
+        a shape, infinite if it misses. It is as accurate as `Shape.ray_cast`; for a mesh, as
+        `Mesh.ray_cast` with the ray rounded in the mesh frame.
     body : int or (...) uint64 array
         Handle of the body; 0, which is never a handle, if the ray misses.
     point : (..., 3) float64 array
         Point of the hit in the world frame, rounded; zero if the ray misses.
     face : int or (...) int64 array
-        Face of a mesh that is hit; -1 if no mesh is hit.
+        Face of the mesh that is hit; -1 if no mesh is hit, or if the ray starts inside a solid one.
     """
 
     hit: bool | NDArray[np.bool_]

@@ -24,7 +24,7 @@ class WorldQueries:
     def ray_cast(
         self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf, layers: int = ALL_LAYERS
     ) -> BodyRayHit:
-        """Return the first body that each ray hits.
+        """Return the first body that each ray hits: with the smallest `t`, then by tag and handle.
 
         Parameters
         ----------
@@ -33,7 +33,7 @@ class WorldQueries:
         directions : (..., 3) array_like of float32 or float64
             With a length from 2^-600 to 2^300. The leading axes of both broadcast as in NumPy.
         reach : float
-            Maximum ray parameter, in units of the directions' lengths.
+            Maximum ray parameter, in units of the directions' lengths; at least zero.
         layers : int
             Layers to search, as 32 bits; bodies on other layers are ignored.
 
@@ -91,12 +91,14 @@ class WorldQueries:
     ) -> NDArray[np.uint64] | Bodies:
         """Return the bodies that a shape intersects, without inserting it into the world.
 
+        Undecided bodies are included, as with `impinge.intersects`.
+
         Parameters
         ----------
         shape : Shape or Mesh
-            The probe.
+            The shape to test. A mesh is its surface.
         pose : (..., 4, 4) array_like of float32 or float64, optional
-            World from shape.
+            World from shape; None is the identity.
         layers : int
             Layers to search, as 32 bits; bodies on other layers are ignored.
 
@@ -113,12 +115,13 @@ class WorldQueries:
         return _bodies(_impinge.world_overlapping(self._core, shape, pose, mask(layers, "layers")))
 
     def in_boxes(self, low: ArrayLike, high: ArrayLike, *, layers: int = ALL_LAYERS) -> NDArray[np.uint64] | Bodies:
-        """Return the bodies whose boxes overlap given boxes: a fast, approximate search.
+        """Return the bodies whose boxes overlap given boxes: fast, but may include too many.
 
         Parameters
         ----------
         low, high : (..., 3) array_like of float32 or float64
-            Lower and upper corners in the world frame. Leading axes broadcast as in NumPy.
+            Lower and upper corners in the world frame, below 2^128 in magnitude. Leading axes
+            broadcast as in NumPy.
         layers : int
             As for `overlapping`.
 

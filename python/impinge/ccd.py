@@ -1,7 +1,7 @@
 """Continuous collision of single features: a vertex and a face, or two edges, with linear motions.
 
-Each corner moves along its own line. Simulations of cloth and other deformable bodies use these
-queries.
+Each corner moves along its own line at constant velocity, from time 0 to time 1. Simulations of
+cloth and other deformable bodies use these queries.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ def vertex_face(t0: ArrayLike, t1: ArrayLike) -> float | NDArray[np.float64]:
     Parameters
     ----------
     t0, t1 : (..., 4, 3) array_like of float32 or float64
-        The vertex, then the three corners of the face, at the start and at the end of a linear
-        motion; coordinates below 2^128 in magnitude. The leading axes of both broadcast as in
-        NumPy.
+        The vertex, then the three corners of the face, at time 0 and at time 1 of a linear motion.
+        All are in one frame, with coordinates below 2^128 in magnitude. The leading axes of both
+        broadcast as in NumPy.
 
     Returns
     -------
@@ -56,7 +56,7 @@ def edge_edge(t0: ArrayLike, t1: ArrayLike) -> float | NDArray[np.float64]:
     Parameters
     ----------
     t0, t1 : (..., 4, 3) array_like of float32 or float64
-        The two ends of one edge, then the two ends of the other, at the start and at the end of a
+        The two ends of one edge, then the two ends of the other, at time 0 and at time 1 of a
         linear motion; otherwise as for `vertex_face`.
 
     Returns

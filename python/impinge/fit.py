@@ -1,9 +1,10 @@
 """Bounding volumes and hulls of points, such as ``impinge.fit.obb(points)``.
 
 Points are an (n, 3) array_like of float32 or float64, below 2^128 in magnitude. Each coordinate is
-the exact real number that the float represents. Every volume contains all points: its size is
-computed from the points themselves and rounded up at the end. Every nonempty set of points has a
-volume of every kind, including single points, duplicates, and points on a line or in a plane.
+the exact real number that the float represents. Volumes are in the frame and unit of the points.
+Every volume contains all points: its size is computed from the points themselves and rounded up.
+Every nonempty set of points has a volume of every kind, including single points, duplicates, and
+points on a line or in a plane.
 
 Every function raises `InputError` if the points have another type or shape, if there are no points,
 or if a coordinate is not finite or out of range. The error names the coordinate.
@@ -106,8 +107,8 @@ def minimal_sphere(points: ArrayLike) -> Sphere:
     Returns
     -------
     Sphere
-        Its radius equals `Sphere.lower` to within rounding; no sphere that contains the points is
-        smaller than `Sphere.lower`.
+        The sphere. Its radius equals `Sphere.lower` to within rounding; no sphere that contains the
+        points has a smaller radius than `Sphere.lower`.
 
     Raises
     ------
@@ -135,10 +136,10 @@ def sphere(
     points : (n, 3) array_like of float32 or float64
         The points.
     method : {"minimal", "mean", "box", "ritter", "principal", "refined"}
-        ``"minimal"`` is the smallest sphere. ``"mean"`` is centered at the mean of the points,
-        ``"box"`` at the center of the axis-aligned box. ``"ritter"`` is Ritter's method.
-        ``"principal"`` grows from the extreme points along the first principal axis. ``"refined"``
-        is Ritter's sphere, shrunk and grown again several times.
+        ``"minimal"`` is the smallest sphere, to within rounding. ``"mean"`` is centered at the mean
+        of the points, ``"box"`` at the center of the axis-aligned box. ``"ritter"`` is Ritter's
+        method. ``"principal"`` grows from the extreme points along the first principal axis.
+        ``"refined"`` is Ritter's sphere, shrunk and grown again several times.
 
     Returns
     -------
@@ -153,7 +154,7 @@ def sphere(
 
 
 def aabb(points: ArrayLike) -> Aabb:
-    """Compute the smallest axis-aligned box of points, exactly.
+    """Compute the smallest axis-aligned box that contains all points, exactly.
 
     Parameters
     ----------
@@ -197,7 +198,9 @@ def obb(points: ArrayLike, method: Literal["least", "principal"] = "least") -> O
 
 
 def capsule(points: ArrayLike) -> Capsule:
-    """Compute a capsule that contains all points: the smallest along the three principal axes.
+    """Compute a capsule that contains all points.
+
+    It is the smallest of three capsules, one along each principal axis.
 
     Parameters
     ----------
@@ -217,9 +220,10 @@ def capsule(points: ArrayLike) -> Capsule:
 
 
 def lozenge(points: ArrayLike) -> Lozenge:
-    """Compute a lozenge, a rectangle with a radius, that contains all points.
+    """Compute a lozenge that contains all points: a rectangle enlarged by a radius.
 
-    It is the smallest lozenge along the principal axes.
+    It is the smallest by volume of six candidates: a short and a long rectangle for each principal
+    axis as the thickness.
 
     Parameters
     ----------
@@ -246,8 +250,8 @@ def kdop(points: ArrayLike, k: Literal[14, 18, 26] = 18) -> Kdop:
     points : (n, 3) array_like of float32 or float64
         The points.
     k : {14, 18, 26}
-        Number of faces: the six faces of a cube, and its corners (14), its edges (18), or both
-        (26).
+        Number of faces. Their normals point to the faces of a cube, and to its corners (14), its
+        edges (18), or both (26).
 
     Returns
     -------

@@ -1,8 +1,8 @@
 """Space partitioning: data structures that find boxes by position.
 
-A partition stores axis-aligned boxes under keys. The boxes of the constructor have the keys 0, 1,
-2, ... All kinds return the same answers. They differ in speed, and in how they subdivide space
-(`Partition.cells`):
+A partition stores axis-aligned boxes of one frame under keys. The boxes of the constructor have the
+keys 0, 1, 2, ... All kinds return the same answers. They differ in speed, and in how they subdivide
+space (`Partition.cells`):
 
 ====================  ==================================  ==========  ==============================
 kind                  space                               boxes move  suited to
@@ -23,9 +23,9 @@ If you only need the overlapping pairs, `pairs` computes them without a stored s
 fastest way if most boxes moved. A `World` chooses among these kinds automatically.
 ``docs/tasks/partitions.md`` compares their speed.
 
-Corners are (n, 3) array_like of float32 or float64, below 2^320 in magnitude. Without `high`, boxes
-are points. Calls with many queries use all cores, with the interpreter's lock released. A query
-uses the boxes that were there when it began.
+Lower and upper corners, `low` and `high`, are (n, 3) array_like of float32 or float64, below 2^320
+in magnitude. Without `high`, boxes are points. Calls with many queries use all cores, with the
+interpreter's lock released. A query uses the boxes that were there when it began.
 
 Examples
 --------
@@ -84,12 +84,13 @@ def pairs(low: ArrayLike, high: ArrayLike | None = None) -> NDArray[np.uint32]:
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64
-        Corners. Without `high`, boxes are points.
+        Lower and upper corners of the boxes. Without `high`, boxes are points.
 
     Returns
     -------
     (k, 2) uint32 array
-        Rows of the boxes, sorted, the smaller first. Exact; touching counts.
+        Row indices of the two boxes of each pair, the smaller first; sorted by the first, then by
+        the second. Exact; touching counts.
 
     Raises
     ------
@@ -107,10 +108,10 @@ class BoxTree(DynamicPartition):
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64, optional
-        Corners.
+        Lower and upper corners of the boxes to insert first.
     margin : float
-        Margin of leaves around their boxes, on every side. A box that moves less than this stays in
-        its leaf.
+        Distance by which a leaf extends beyond its box on every side, at least zero. A box that
+        moves less than this stays in its leaf.
 
     Raises
     ------
@@ -126,16 +127,17 @@ class BoxTree(DynamicPartition):
 
 @final
 class UniformGrid(DynamicPartition):
-    """Cells of equal size in a block; boxes outside of the block are in the cells at its border.
+    """A grid of equal cubes in a block. Boxes outside of the block are in the cells at its border.
 
     Parameters
     ----------
     space : (2, 3) array_like of float32 or float64
-        Corners of the block.
+        Lower and upper corner of the block.
     cell : float
-        Edge of a cell; about twice the edge of a box is a good choice. The maximum is 2^24 cells.
+        Edge length of a cell; about twice that of a box is a good choice. The grid may have at most
+        2^24 cells.
     low, high : (n, 3) array_like of float32 or float64, optional
-        Corners.
+        Lower and upper corners of the boxes to insert first.
 
     Raises
     ------
@@ -151,14 +153,14 @@ class UniformGrid(DynamicPartition):
 
 @final
 class HashedGrid(DynamicPartition):
-    """Cells of equal size in unbounded space, found by hashing.
+    """A grid of equal cubes in unbounded space, found by hashing.
 
     Parameters
     ----------
     cell : float
-        Edge of a cell; about twice the edge of a box is a good choice.
+        Edge length of a cell; about twice that of a box is a good choice.
     low, high : (n, 3) array_like of float32 or float64, optional
-        Corners.
+        Lower and upper corners of the boxes to insert first.
 
     Raises
     ------
@@ -174,17 +176,17 @@ class HashedGrid(DynamicPartition):
 
 @final
 class HierarchicalGrid(DynamicPartition):
-    """Hashed cells of many sizes, each box in a cell of its size.
+    """Hashed grids of cubes of many sizes; each box is in cells of about its size.
 
     It is fast if sizes vary and few boxes move.
 
     Parameters
     ----------
     cell : float
-        Edge of the smallest cells: slightly larger than most boxes, or than the smallest common
-        size.
+        Edge length of the smallest cells: slightly larger than most boxes, or than the smallest
+        common size.
     low, high : (n, 3) array_like of float32 or float64, optional
-        Corners.
+        Lower and upper corners of the boxes to insert first.
 
     Raises
     ------
@@ -200,17 +202,17 @@ class HierarchicalGrid(DynamicPartition):
 
 @final
 class Octree(DynamicPartition):
-    """Nested cubes that share no inner point, each box in the smallest cube that contains it.
+    """An octree: each box is in the smallest cube that contains it.
 
-    A box across the middle of a cube stays in that cube, however small it is; `LooseOctree` avoids
-    this.
+    Cubes of one level share no inner point. A box across the middle of a cube stays in that cube,
+    however small it is; `LooseOctree` avoids this.
 
     Parameters
     ----------
     space : (2, 3) array_like of float32 or float64
-        Corners of the region that the root covers; boxes outside are in the root.
+        Lower and upper corner of the region that the root covers; boxes outside are in the root.
     low, high : (n, 3) array_like of float32 or float64, optional
-        Corners.
+        Lower and upper corners of the boxes to insert first.
 
     Raises
     ------
@@ -226,14 +228,16 @@ class Octree(DynamicPartition):
 
 @final
 class LooseOctree(DynamicPartition):
-    """Nested cubes enlarged to twice their width, so that small boxes are deep (Ulrich 2000).
+    """A loose octree: cubes are enlarged to twice their width, so that small boxes are deep.
+
+    The method is that of Ulrich (2000).
 
     Parameters
     ----------
     space : (2, 3) array_like of float32 or float64
-        Corners of the region that the root covers; boxes outside are in the root.
+        Lower and upper corner of the region that the root covers; boxes outside are in the root.
     low, high : (n, 3) array_like of float32 or float64, optional
-        Corners.
+        Lower and upper corners of the boxes to insert first.
 
     Raises
     ------
@@ -254,9 +258,9 @@ class SweepOneAxis(DynamicPartition):
     Parameters
     ----------
     axis : {"x", "y", "z"}
-        The axis along which the boxes are farthest apart.
+        The axis to sort along: the axis along which the boxes are farthest apart.
     low, high : (n, 3) array_like of float32 or float64, optional
-        Corners.
+        Lower and upper corners of the boxes to insert first.
 
     Raises
     ------
@@ -277,7 +281,7 @@ class SweepThreeAxes(DynamicPartition):
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64, optional
-        Corners.
+        Lower and upper corners of the boxes to insert first.
 
     Raises
     ------
@@ -293,14 +297,14 @@ class SweepThreeAxes(DynamicPartition):
 
 @final
 class KdTree(Partition):
-    """Cells split by planes across the axes: for points, and for queries of nearest boxes.
+    """A k-d tree: cells split by axis-aligned planes; for points, and for queries of nearest boxes.
 
     Each box is in every cell that it overlaps.
 
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64
-        Corners. Without `high`, boxes are points.
+        Lower and upper corners of the boxes. Without `high`, boxes are points.
 
     Raises
     ------
@@ -316,14 +320,14 @@ class KdTree(Partition):
 
 @final
 class BspTree(Partition):
-    """Cells split by the planes of the boxes' own faces, between boxes if possible.
+    """A BSP tree: cells split by the planes of the boxes' own faces, between boxes if possible.
 
     It suits rooms and walls.
 
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64
-        Corners. Without `high`, boxes are points.
+        Lower and upper corners of the boxes. Without `high`, boxes are points.
 
     Raises
     ------

@@ -46,19 +46,19 @@ _EXTERNAL = "__external"
 
 
 class ContactData:
-    """Two faces in contact.
+    """Two faces in contact, or two bodies of which one is inside the other.
 
     Attributes
     ----------
     names : set of str
         Names of the two objects; ``"__external"`` for an object that is in no manager.
     point : (3,) float64 array
-        A point of both faces in the world frame, rounded.
+        A point of both faces, or of both bodies, in the world frame, rounded.
     normal : (3,) float64 array
         Unit vector in the world frame, from the mesh of this manager to the other one, or from the
         mesh that was added first to the other one.
     depth : float
-        Penetration depth along the normal; at least zero.
+        Penetration depth along the normal, in world units; at least zero.
     """
 
     def __init__(self, names: tuple[Hashable, Hashable], contact: fcl.Contact) -> None:
@@ -67,7 +67,10 @@ class ContactData:
         self.point, self.normal, self.depth = contact.pos, contact.normal, contact.penetration_depth
 
     def index(self, name: Hashable) -> int:
-        """Return the face of the object with this name; -1 if one object is inside the other."""
+        """Return the face in contact of the object with this name, as an index into its faces.
+
+        It is -1 if one object is inside the other. Raise a `KeyError` for another name.
+        """
         return self._faces[name]
 
 
@@ -79,7 +82,8 @@ class DistanceData:
     names : set of str
         Names of the two objects; ``"__external"`` for an object that is in no manager.
     distance : float
-        In world units; negative if the objects penetrate each other.
+        In world units. Minus the depth if two convex bodies overlap, -1 if a convex body and a
+        surface collide, and 0 if two surfaces intersect.
     """
 
     def __init__(self, names: tuple[Hashable, Hashable], result: fcl.DistanceResult) -> None:
@@ -89,11 +93,18 @@ class DistanceData:
         self._points = dict(zip(names, result.nearest_points, strict=True))
 
     def index(self, name: Hashable) -> int:
-        """Return the nearest face of the object with this name; -1 if it is convex."""
+        """Return the nearest face of the object with this name, as an index into its faces.
+
+        It is -1 if the object is convex. Raise a `KeyError` for another name.
+        """
         return self._faces[name]
 
     def point(self, name: Hashable) -> NDArray[np.float64]:
-        """Return the nearest point, (3,), of the object with this name, in the world frame."""
+        """Return the nearest point, (3,), of the object with this name, in the world frame.
+
+        It is rounded, and zero if the objects collide and no depth is computed. Raise a `KeyError`
+        for another name.
+        """
         return self._points[name]
 
 
@@ -106,7 +117,7 @@ class CollisionManager:
     """Named meshes that are queried together, as with trimesh's class of this name.
 
     Every collision query returns whether there is a collision. If `return_names` or `return_data`
-    is set, it returns a tuple of this, the set of the names of all colliding objects, and a list of
+    is set, it returns a tuple of this, the set of the names that collide, and a list of
     `ContactData` for every contact, in this order.
     """
 
@@ -125,22 +136,26 @@ class CollisionManager:
         mesh : trimesh.Trimesh or Mesh
             A mesh whose ``is_convex`` is true is a solid.
         transform : (4, 4) array_like, optional
-            World from mesh.
+            World from mesh; the default is the identity.
 
         Returns
         -------
         impinge.fcl.CollisionObject
+            The object that the manager stores under the name.
         """
         made = _object(mesh, transform)
         self._objects[name] = made
         return made
 
     def remove_object(self, name: Hashable) -> None:
-        """Remove a mesh; raises a `ValueError` if there is no mesh with this name."""
+        """Remove a mesh. Raise a `ValueError` if there is no mesh with this name."""
         del self._objects[self._check_name(name)]
 
     def set_transform(self, name: Hashable, transform: ArrayLike) -> None:
-        """Set the transform of a mesh; raises a `ValueError` if there is no mesh with this name."""
+        """Set the transform of a mesh, (4, 4), world from mesh.
+
+        Raise a `ValueError` if there is no mesh with this name.
+        """
         self._objects[self._check_name(name)].setTransform(_transform(transform))
 
     def in_collision_single(
@@ -152,7 +167,8 @@ class CollisionManager:
     ) -> _Answer:
         """Report whether a mesh collides with any mesh of the manager.
 
-        Names are those of the meshes in the manager.
+        `transform` is world from mesh. If requested, the names of the colliding meshes of the
+        manager and a list of `ContactData` follow.
         """
         other = (_EXTERNAL, _object(mesh, transform))
         pairs = [((name, own), other) for name, own in self._objects.items()]
@@ -161,7 +177,8 @@ class CollisionManager:
     def in_collision_internal(self, return_names: bool = False, return_data: bool = False) -> _Answer:
         """Report whether any two meshes of the manager collide.
 
-        Names are pairs, each in alphabetical order.
+        If requested, the pairs of names that collide, each in alphabetical order, and a list of
+        `ContactData` follow.
         """
         pairs = combinations(self._objects.items(), 2)
         return _collisions(pairs, lambda names: tuple(sorted(names)), return_names, return_data)
@@ -171,7 +188,8 @@ class CollisionManager:
     ) -> _Answer:
         """Report whether any mesh collides with a mesh of another manager.
 
-        Names are pairs, each with the name in this manager first.
+        If requested, the pairs of names that collide, the name in this manager first, and a list of
+        `ContactData` follow.
         """
         pairs = product(self._objects.items(), other_manager._objects.items())
         return _collisions(pairs, lambda names: names, return_names, return_data)
@@ -185,7 +203,10 @@ class CollisionManager:
     ) -> _Distance:
         """Return the minimum distance of a mesh from the meshes of the manager.
 
-        The name is that of the nearest mesh in the manager.
+        It is in world units, and infinite if the manager is empty. Intersecting surfaces have
+        distance 0. A solid (a convex mesh) that collides with a surface gives -1, and two solids
+        give minus the depth. If requested, the name of the nearest mesh in the manager and a
+        `DistanceData` follow.
         """
         other = (_EXTERNAL, _object(mesh, transform))
         pairs = [((name, own), other) for name, own in self._objects.items()]
@@ -196,8 +217,9 @@ class CollisionManager:
     ) -> _Distance:
         """Return the minimum distance of any two meshes of the manager, or of one from all others.
 
-        Names are those of the nearest two meshes, in alphabetical order. Raises a `ValueError` if
-        there is no mesh with the given name.
+        The distance is as for `min_distance_single`; infinite if there are no two meshes. If
+        requested, the names of the nearest two meshes, in alphabetical order, and a `DistanceData`
+        follow. Raise a `ValueError` if there is no mesh with the given name.
         """
         pairs = list(combinations(self._objects.items(), 2))
         if name is not None:
@@ -210,7 +232,9 @@ class CollisionManager:
     ) -> _Distance:
         """Return the minimum distance of any mesh from any mesh of another manager.
 
-        Names are those of the nearest two meshes, the name in this manager first.
+        The distance is as for `min_distance_single`; infinite if a manager is empty. If requested,
+        the names of the nearest two meshes, the name in this manager first, and a `DistanceData`
+        follow.
         """
         pairs = list(product(self._objects.items(), other_manager._objects.items()))
         return _minimum_distance(pairs, lambda names: names, return_names, return_data)
@@ -222,7 +246,7 @@ class CollisionManager:
 
 
 def mesh_to_BVH(mesh: HasTriangles) -> fcl.BVHModel:  # noqa: N802
-    """Return the surface of a mesh as a model."""
+    """Return the surface of a mesh as a geometry of `impinge.fcl`, in the mesh frame."""
     model = fcl.BVHModel()
     model.beginModel(len(mesh.faces), len(mesh.vertices))
     model.addSubModel(mesh.vertices, mesh.faces)
@@ -231,7 +255,7 @@ def mesh_to_BVH(mesh: HasTriangles) -> fcl.BVHModel:  # noqa: N802
 
 
 def mesh_to_convex(mesh: HasTriangles) -> fcl.Convex:
-    """Return a convex mesh as a solid."""
+    """Return a convex mesh as a solid geometry of `impinge.fcl`; convexity is not checked."""
     faces = np.asarray(plain_faces(mesh.faces), np.int64)
     return fcl.Convex(mesh.vertices, len(faces), np.insert(faces, 0, 3, axis=1).ravel().tolist())
 

@@ -9,8 +9,9 @@ import numpy as np
 def oracle_pairs(a, b, pose_a=None, pose_b=None):
     """Returns every intersecting pair of faces, in rational arithmetic.
 
-    Two triangles intersect if and only if the hull of the nine differences of their corners contains the
-    origin. Then the hull of at most four affinely independent differences contains it (Caratheodory).
+    Two triangles intersect if and only if the hull of the nine differences of their corners
+    contains the origin. Then the hull of at most four affinely independent differences contains it
+    (Caratheodory).
     """
     (a, faces_a), (b, faces_b) = _exact(a, pose_a), _exact(b, pose_b)
     pairs = []

@@ -57,9 +57,14 @@ def test_wrong_arguments_exit_with_2(command):
     done = run(command, "check", HUMAN)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("error: ")
+
+
+@either
+def test_no_arguments_exit_with_2_and_the_help(command):
     done = run(command)
     assert (done.returncode, done.stdout) == (2, "")
     assert "Usage: impinge <COMMAND>" in done.stderr
+    assert "\nExamples:\n  impinge check " in done.stderr
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="counts the processors of the process")

@@ -141,7 +141,7 @@ def test_a_pickled_shape_keeps_the_mesh_it_was_made_from():
 
 
 def apart(a, b):
-    """A filter that rejects pairs if the sum of their handles is divisible by 7."""
+    """Rejects pairs, as a filter, if the sum of their handles is divisible by 7."""
     return (a + b) % 7 != 0
 
 

@@ -1,16 +1,20 @@
-//! Chores of the workspace: `cargo xtask layers`, `cargo xtask file-length`, `cargo xtask quick`,
-//! `cargo xtask test`, `cargo xtask prose`, `cargo xtask demo`.
+//! The chores of the workspace, each a command of `cargo xtask`: checks (`layers`, `file-length`,
+//! `prose`), tests (`quick`, `test`), benchmarks and their page (`bench`, `performance`), the
+//! documentation site (`docs`), and `demo`.
 #![allow(clippy::print_stdout, reason = "a chore reports to the terminal")]
 
+mod bench;
 mod build;
 mod demo;
 mod docs;
 mod environment;
 mod file_length;
 mod layers;
+mod performance;
 mod prose;
 mod python_tests;
 mod quick;
+mod records;
 mod slowest;
 mod sources;
 mod test_run;
@@ -52,6 +56,24 @@ enum Chore {
         /// Show only the violations below this path.
         path: Option<PathBuf>,
     },
+    /// Run a benchmark and append its numbers to `bench/record/NAME/CPU.csv`.
+    Bench {
+        /// Script of `bench/` or program of `impinge-bench`, without its extension.
+        #[arg(required_unless_present = "compare")]
+        name: Option<String>,
+        /// Run nothing: print the last two commits of each record, or of NAME's, side by side.
+        #[arg(long)]
+        compare: bool,
+        /// Arguments of the benchmark.
+        #[arg(last = true)]
+        arguments: Vec<String>,
+    },
+    /// Write `docs/performance.md` from the records of the benchmarks.
+    Performance {
+        /// Write nothing: fail if the page is not what the records give.
+        #[arg(long)]
+        check: bool,
+    },
     /// Build the documentation site into target/site, and fail on any warning.
     Docs,
     /// Check a human of 26,756 triangles against a torus knot of 2,000,000.
@@ -71,6 +93,20 @@ fn main() -> Result<ExitCode> {
             found.iter().all(|(verdict, _)| *verdict != file_length::Verdict::TooLong)
         }
         Chore::Prose { path } => prose_is_plain(root, path.as_deref())?,
+        Chore::Bench { name, compare: true, .. } => {
+            bench::compare(root, name.as_deref())?;
+            true
+        }
+        Chore::Bench { name, arguments, .. } => bench::run(root, &name.unwrap_or_default(), &arguments)?,
+        Chore::Performance { check: true } => {
+            let is_current = performance::is_current(root)?;
+            println!("performance: the page is {}", if is_current { "current" } else { "not what the records give" });
+            is_current
+        }
+        Chore::Performance { check: false } => {
+            performance::write(root)?;
+            true
+        }
         Chore::Quick { room } => quick::run(root, room.as_deref())?,
         Chore::Test => test_run::run(root)?,
         Chore::Docs => docs::build(root)?,

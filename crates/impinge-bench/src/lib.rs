@@ -31,6 +31,7 @@
 
 pub mod questions;
 pub mod real_points;
+pub mod record;
 pub mod samples;
 pub mod scene;
 pub mod table;

@@ -19,16 +19,16 @@ const MOST_CALLS: f64 = 100.0;
 /// Times of an engine, whose answers all agreed.
 #[derive(Clone, Debug)]
 pub struct Asked {
-    /// Pairs of faces that intersect, sorted.
+    /// Intersecting pairs (face of A, face of B), sorted.
     pub pairs: Vec<[u32; 2]>,
     /// Times of all pairs, one query per sample.
     pub all_pairs: Samples,
-    /// Times of the first hit, the mean of a batch of calls per sample.
+    /// Times of the first hit. Each sample is the mean time of a call in a batch.
     pub first_hit: Samples,
 }
 
-/// Times both queries `repeats` times, after one untimed run that warms the data. All pairs must be
-/// sorted.
+/// Times both queries of an engine `repeats` times, after one untimed run that loads the caches.
+/// `all_pairs` must return sorted pairs, and `intersects` whether there are any.
 ///
 /// # Errors
 /// Returns an error if two answers disagree: all pairs of two runs, or the first hit and all pairs.
@@ -61,7 +61,7 @@ pub fn ask(
     Ok(Asked { pairs: reference, all_pairs, first_hit })
 }
 
-/// Times impinge by [`ask`].
+/// Times both queries of impinge for two placed meshes, as [`ask`] does.
 ///
 /// # Errors
 /// Returns an error if [`ask`] does.

@@ -10,7 +10,7 @@ use impinge::Positions;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-/// Reads the vertices of the human mesh of the repository.
+/// Reads the vertices of the human mesh of the repository, in the frame of its file.
 ///
 /// # Errors
 /// Returns an error if [`impinge_files::load`] does.
@@ -38,8 +38,8 @@ pub fn points(path: &Path) -> Result<Vec<[f32; 3]>> {
     }
 }
 
-/// Unpacks a file, unless that was done before, and returns its path. It is renamed at the end, so
-/// that an existing file is complete.
+/// Decompresses a .gz file to `name` in `target/bench`, unless it exists there, and returns the
+/// path. The file is renamed at the end, so that an existing file is complete.
 ///
 /// # Errors
 /// Returns an error if a file cannot be read or written.

@@ -1,35 +1,37 @@
-//! Times of the same thing, done several times.
+//! Times of several runs of the same work.
 
 use std::time::Instant;
 
-/// Seconds that single runs took, at least one, in the order of the runs.
+/// Times of single runs, in seconds, in the order of the runs. There is at least one.
 ///
-/// The minimum is what the work costs where nothing disturbs it, and repeats best; the median is what to expect.
+/// The minimum is the cost of the work if nothing disturbs it, and varies least between benchmarks.
+/// The median is the time to expect.
 #[derive(Clone, Debug)]
 pub struct Samples(Vec<f64>);
 
 impl Samples {
-    /// The times of `repeats` runs, and of one where that is zero.
+    /// Calls `run`, which returns its time in seconds, `repeats` times, but at least once.
     ///
     /// # Errors
-    /// That of the first run that fails.
+    /// Returns the error of the first run that fails, without further runs.
     pub fn take<E>(repeats: usize, mut run: impl FnMut() -> Result<f64, E>) -> Result<Self, E> {
         (0..repeats.max(1)).map(|_| run()).collect::<Result<_, _>>().map(Self)
     }
 
-    /// Every time, in seconds.
+    /// Returns the time of each run, in seconds.
     #[must_use]
     pub fn seconds(&self) -> &[f64] {
         &self.0
     }
 
-    /// The shortest time, in seconds.
+    /// Returns the minimum time, in seconds.
     #[must_use]
     pub fn min(&self) -> f64 {
         self.0.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// The middle time, in seconds: the mean of the two middle ones where their number is even.
+    /// Returns the median time, in seconds. If the number of runs is even, it is the mean of the
+    /// two middle times.
     #[must_use]
     pub fn median(&self) -> f64 {
         let mut sorted = self.0.clone();
@@ -39,29 +41,30 @@ impl Samples {
     }
 }
 
-/// How many seconds `run` takes, and what it returns.
+/// Returns the wall time of `run` in seconds, and its result.
 pub fn timed<T>(run: impl FnOnce() -> T) -> (f64, T) {
     let start = Instant::now();
     let result = run();
     (start.elapsed().as_secs_f64(), result)
 }
 
-/// How many seconds of processor time `run` takes, on all threads of the process together, and what it returns. On one
-/// thread that is the time it would take on a machine with nothing else to do, or nearly so.
+/// Returns the processor time of `run` in seconds, over all threads of the process, and its result.
+/// On one thread it is nearly the wall time on a machine that runs nothing else. If the system is
+/// not Unix, it is the wall time.
 pub fn processor_timed<T>(run: impl FnOnce() -> T) -> (f64, T) {
     let start = processor_seconds();
     let result = run();
     (processor_seconds() - start, result)
 }
 
-/// Of the process, since some time.
+/// Returns the processor time that the process has used so far, in seconds.
 #[cfg(unix)]
 fn processor_seconds() -> f64 {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
-/// Where it cannot be had, the time of the clock on the wall, since the first call.
+/// Returns the wall time since the first call, in seconds: the processor time is not available.
 #[cfg(not(unix))]
 fn processor_seconds() -> f64 {
     static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();

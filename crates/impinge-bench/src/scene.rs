@@ -16,7 +16,7 @@ const HEADLINE_SIZE: [u32; 2] = [2000, 500];
 /// Mesh before it is built.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    /// Vertices, in the mesh's own frame.
+    /// Positions of the vertices, in the mesh frame.
     pub positions: Positions,
     /// Vertex indices of each triangle.
     pub faces: Vec<[u32; 3]>,
@@ -32,8 +32,8 @@ impl Surface {
         Ok(Self { positions: model.positions, faces: model.faces })
     }
 
-    /// Builds the mesh `repeats` times from copies made beforehand, and returns it with the times
-    /// of the builds alone.
+    /// Builds the mesh `repeats` times, and returns it with the times of the builds. The time to
+    /// copy the arrays is not included.
     ///
     /// # Errors
     /// Returns an error if [`Mesh::new`] does.
@@ -57,8 +57,8 @@ impl Surface {
         Ok((mesh.context("no build was asked for")?, samples))
     }
 
-    /// Returns the corners of the smallest box that contains all vertices. They are infinite if the
-    /// mesh has none.
+    /// Returns the lower and the upper corner of the smallest box that contains all vertices, in
+    /// the mesh frame. They are infinite, the lower above the upper, if there are no vertices.
     #[must_use]
     pub fn bounds(&self) -> [[f64; 3]; 2] {
         let all = (0..self.positions.len()).map(|vertex| self.positions.get(vertex));
@@ -107,19 +107,19 @@ impl Choice {
     }
 }
 
-/// Pose of the second mesh, and its known answer.
+/// Pose of the second mesh, and the expected number of pairs.
 #[derive(Clone, Debug)]
 pub struct Standing {
     /// Name in tables.
     pub name: &'static str,
-    /// Map from the second mesh's frame to the first mesh's frame.
+    /// Map from the second mesh's frame to the world frame, which is the first mesh's frame.
     pub world_from_b: Pose,
-    /// Expected number of pairs, if it is known.
+    /// Expected number of intersecting pairs, if it is known.
     pub expected: Option<usize>,
 }
 
 impl Standing {
-    /// Returns a pose given by the user.
+    /// Returns a pose given by the user, with the name `given`.
     #[must_use]
     pub fn given(world_from_b: Pose, expected: Option<usize>) -> Self {
         Self { name: "given", world_from_b, expected }
@@ -143,7 +143,7 @@ impl Standing {
         ])
     }
 
-    /// Compares a number of pairs with the expected one.
+    /// Compares a number of pairs with the expected number, if that is known.
     ///
     /// # Errors
     /// Returns an error if they differ.
@@ -156,7 +156,7 @@ impl Standing {
     }
 }
 
-/// Parses a pose given as an argument: `tx,ty,tz,qw,qx,qy,qz`.
+/// Parses a pose given as an argument, `tx,ty,tz,qw,qx,qy,qz`: a translation and a unit quaternion.
 ///
 /// # Errors
 /// Returns an error if the text is not seven numbers, or not a valid pose.

@@ -11,8 +11,8 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// Returns the box of the faces' corners, mapped by the pose. Returns `None` if the mesh has no
-    /// faces.
+    /// Returns the box of the faces' corners after the pose maps them. Returns `None` if the mesh
+    /// has no faces.
     pub(crate) fn of(mesh: &Mesh, pose: &Pose) -> Option<Self> {
         let of_face = |face: &[u32; 3]| {
             let corners = face.map(|vertex| pose.apply(mesh.positions().get(vertex as usize)));

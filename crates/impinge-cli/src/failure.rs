@@ -9,7 +9,8 @@ use impinge::{InputError, InputErrorKind};
 use impinge_files::LoadError;
 use serde::Serialize;
 
-/// What is wrong, where, and what to do. Fields that are not known are absent from the JSON.
+/// A failure: the fault, its place, and what to do about it. Fields that are not known are absent
+/// from the JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Failure {
     /// Short stable name of the kind of failure, for programs.
@@ -25,20 +26,24 @@ pub(crate) struct Failure {
 }
 
 impl Failure {
+    /// Builds a failure of a kind, with a message about what is wrong.
     pub(crate) fn new(kind: &'static str, message: impl Into<String>) -> Self {
         Self { kind, file: None, place: None, message: message.into(), hint: None }
     }
 
+    /// Adds the path of the file that is at fault.
     pub(crate) fn in_file(mut self, path: &Path) -> Self {
         self.file = Some(path.display().to_string());
         self
     }
 
+    /// Adds the place in the file, such as `line 12`, or the name of the argument.
     pub(crate) fn at(mut self, place: impl Into<String>) -> Self {
         self.place = Some(place.into());
         self
     }
 
+    /// Adds a hint about what to do.
     pub(crate) fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self

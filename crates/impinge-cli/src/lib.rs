@@ -9,11 +9,13 @@ mod bake;
 mod body;
 mod bounds;
 mod check;
+mod completions;
 mod console;
 mod failure;
 mod fit;
 mod hits;
 mod inspect;
+mod man;
 mod numerals;
 mod output;
 mod pose;
@@ -26,13 +28,31 @@ use std::ffi::OsString;
 use std::iter;
 
 use clap::error::ErrorKind::{DisplayHelp, DisplayHelpOnMissingArgumentOrSubcommand, DisplayVersion};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use failure::Failure;
 
+/// Common uses, which the help shows after the options. A test runs each of them. Lines have at
+/// most 71 columns, so that they fit in a manual page of 80.
+const EXAMPLES: &str = "\
+Examples:
+  impinge check a.stl b.stl                  Do they intersect? Where?
+  impinge check a.stl b.stl --pose-b 1,0,0   The same, with B moved
+  impinge check a.stl b.stl --distance       How far apart are they?
+  impinge check a.stl b.stl --clearance 2.5  Is the gap at most 2.5?
+  impinge check a.stl b.stl --penetrates     Do interiors intersect?
+  impinge check a.stl b.stl --pairs out.csv  Save the pairs of faces
+  impinge inspect a.stl --picture boxes.png  Is the mesh sound?
+  impinge bake a.stl -o a.impinge            Save it to load at once
+  impinge fit a.stl                          Which volume fits it best?
+  impinge hits robot.glb --save parts.toml   Fit its hit volumes
+
+Exit codes of `check`: 0 clear, 1 collision, 2 no answer. --json prints
+one JSON object instead of the report.";
+
 /// Exact and fast collision detection for triangle meshes.
 #[derive(Parser)]
-#[command(name = "impinge", version, arg_required_else_help = true)]
+#[command(name = "impinge", version, arg_required_else_help = true, after_help = EXAMPLES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -42,9 +62,11 @@ struct Cli {
 enum Command {
     Bake(bake::Arguments),
     Check(check::Arguments),
+    Completions(completions::Arguments),
     Fit(fit::Arguments),
     Hits(hits::Arguments),
     Inspect(inspect::Arguments),
+    Man(man::Arguments),
     World(world::Arguments),
 }
 
@@ -82,9 +104,11 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
         Ok(cli) => match cli.command {
             Command::Bake(arguments) => bake::run(&arguments),
             Command::Check(arguments) => check::run(&arguments),
+            Command::Completions(arguments) => completions::run(&arguments, Cli::command()),
             Command::Fit(arguments) => fit::run(&arguments),
             Command::Hits(arguments) => hits::run(&arguments),
             Command::Inspect(arguments) => inspect::run(&arguments),
+            Command::Man(arguments) => man::run(&arguments, Cli::command()),
             Command::World(arguments) => world::run(&arguments),
         },
         Err(error)

@@ -10,8 +10,8 @@ use crate::console;
 /// unlike size may differ too.
 const SUSPICIOUS: [(f64, f64); 2] = [(25.4, 1.1), (1000.0, 2.0)];
 
-/// Returns the factors that convert A and B to the finer of their units. A mesh without a unit is
-/// taken to be in the unit of the other.
+/// Returns the factors that convert lengths of A and of B to the finer of their units. A mesh
+/// without a unit is taken to be in the unit of the other.
 pub(crate) fn scales(units: [Option<Unit>; 2]) -> [f64; 2] {
     let [Some(a), Some(b)] = units else { return [1.0; 2] };
     let finer = a.min(b);

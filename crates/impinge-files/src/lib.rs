@@ -1,6 +1,6 @@
 //! Reads triangle meshes, scenes and rigged characters from files, for [`impinge`]. Supported
 //! formats are OBJ, STL, PLY, OFF, glTF, 3MF and COLLADA, optionally compressed by gzip.
-//! [Baked](Baked) meshes come with their hierarchy.
+//! [Baked] meshes come with their hierarchy.
 //!
 //! ```no_run
 //! let model = impinge_files::load("bunny.obj")?;
@@ -46,6 +46,8 @@
 //!
 //! # Features
 //! - `mmap` (default) opens baked files as memory maps. Without it they are read into memory.
+
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod baked;
 mod character_file;

@@ -45,7 +45,7 @@ pub(crate) fn plain_column<T: Element + Copy>(value: &Bound<'_, PyAny>) -> PyRes
     Ok(plain.cast::<PyArrayDyn<T>>()?.readonly().as_slice()?.to_vec())
 }
 
-/// Returns an array with these axes.
+/// Returns a NumPy array of these values, with axes of the lengths in `shape`.
 pub(crate) fn array<'py, T: Element>(py: Python<'py>, values: Vec<T>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let count = values.len();
     let flat = PyArray1::from_vec(py, values);

@@ -10,7 +10,7 @@ use crate::poses;
 
 /// Boxes with their leading axes.
 pub(crate) struct Boxes {
-    /// Leading axes. Empty for a single box.
+    /// Lengths of the leading axes. Empty for a single box.
     pub(crate) shape: Vec<usize>,
     /// Boxes in row-major order.
     pub(crate) rows: Vec<MinMax>,
@@ -44,7 +44,7 @@ impl Boxes {
         Ok(Self { shape: common.shape().to_vec(), rows })
     }
 
-    /// Returns the corners of boxes, (n, 2, 3).
+    /// Returns the numbers of an array of the lower and upper corners of boxes, (n, 2, 3).
     pub(crate) fn corners(boxes: &[MinMax]) -> Vec<f64> {
         boxes.iter().flat_map(|bounds| [bounds.min(), bounds.max()]).flatten().collect()
     }

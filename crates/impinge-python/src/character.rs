@@ -145,7 +145,7 @@ impl CharacterCore {
     }
 
     /// Returns for each part the share of its vertices outside of all volumes, and the distance of
-    /// the farthest one.
+    /// the farthest such vertex from them.
     fn leaks(&self, py: Python<'_>) -> PyResult<(Vec<f64>, Vec<f64>)> {
         let own = self.0.clone();
         let leaks = workers::run(py, move |_| own.character.leaks(&own.rig))?;

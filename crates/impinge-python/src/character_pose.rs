@@ -76,7 +76,7 @@ fn fault(error: &InputError, argument: &str, at: Vec<usize>) -> Fault {
 
 #[pymethods]
 impl PosedCore {
-    /// Returns the poses of the frames of the parts' volumes, (p, 4, 4).
+    /// Returns the poses that map the frames of the parts' volumes to the world frame, (p, 4, 4).
     fn frames<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let posed = self.0.posed();
         let frames = posed.frames().iter().map(|frame| frame.pose().map(|pose| matrix(&pose)));
@@ -107,8 +107,8 @@ impl PosedCore {
         row_array(py, vertices, &[count])
     }
 
-    /// Returns whether each ray strikes a part, (...), and the columns of hits with these leading
-    /// axes.
+    /// Returns whether each ray in the world frame strikes a part, (...), and the columns of hits
+    /// with these leading axes.
     fn ray_cast<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -123,8 +123,8 @@ impl PosedCore {
         Ok((hit, columns(py, &found, rays.lead())?).into_pyobject(py)?.into_any())
     }
 
-    /// Returns whether each ray hits the skinned surface, (...), part, bone, face and t, (...), and
-    /// point, (..., 3).
+    /// Returns whether each ray hits the skinned surface, (...), part, bone, face and ray parameter
+    /// t, (...), and point, (..., 3). Rays and points are in the world frame.
     fn surface_ray_cast<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -264,8 +264,9 @@ impl PosedCore {
     }
 }
 
-/// Returns part, bone and t, (...), point and normal, (..., 3), and depth, (...). If nothing is
-/// struck, the indices are -1, t is infinite and the other numbers are zero.
+/// Returns part, bone and ray parameter t, (...), point and normal, (..., 3), and depth, (...), in
+/// the world frame. If nothing is struck, the indices are -1, t is infinite and the other numbers
+/// are zero.
 fn columns<'py>(py: Python<'py>, hits: &[Option<PartHit>], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let numbers = |of: fn(&PartHit) -> u32| {
         array(py, hits.iter().map(|hit| hit.as_ref().map_or(-1, |hit| i64::from(of(hit)))).collect(), shape)

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{array, plain_column, ragged, row_array};
 
-/// A contact point in a row of the columns.
+/// A contact: one row of the columns.
 #[derive(Clone)]
 struct Contact {
     manifold: i64,
@@ -16,9 +16,9 @@ struct Contact {
     id: [u32; 8],
 }
 
-/// Returns the offsets of the contacts of each row, (n + 1,), and columns with the contacts of all
-/// rows: index of the manifold within its row, (k,), normal, (k, 3), points of a and of b, (k, 3),
-/// lower and upper bound of the depth, (k,), and id, (k, 2, 4).
+/// Returns contacts in the world frame: the offsets of the contacts of each row, (n + 1,), and
+/// columns with the contacts of all rows: index of the manifold within its row, (k,), normal, (k,
+/// 3), points of a and of b, (k, 3), lower and upper bound of the depth, (k,), and id, (k, 2, 4).
 pub(crate) fn columns<'py, 'm>(
     py: Python<'py>,
     rows: impl Iterator<Item = &'m [Manifold]>,

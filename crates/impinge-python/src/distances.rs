@@ -8,8 +8,9 @@ use crate::arrays::{array, row_array};
 use crate::question::{Question, Search};
 use crate::verbs::yes_or_no;
 
-/// Returns seven columns: distance, lower and upper bound, (...), points of a and of b, (..., 3),
-/// and their faces, (...). If there are no nearest points, the faces are -1 and the points zero.
+/// Returns the distance of two things as seven columns in the world frame: distance, its lower and
+/// upper bound, (...), nearest points of a and of b, (..., 3), and their faces, (...). If there are
+/// no nearest points, the faces are -1 and the points zero.
 #[pyfunction]
 pub(crate) fn distance(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
     let replies = question.ask(py, Search::OneThread, |batch| batch.distance())?;
@@ -39,15 +40,16 @@ pub(crate) fn distance(py: Python<'_>, question: Question) -> PyResult<Bound<'_,
     })
 }
 
-/// Returns a `bool` or an array of them. An undecided answer counts as `True`.
+/// Reports whether the distance of two things is at most `clearance`, in world units: one `bool`
+/// without leading axes, or an array. An undecided answer counts as `True`.
 #[pyfunction]
 pub(crate) fn within(py: Python<'_>, question: Question, clearance: f64) -> PyResult<Bound<'_, PyAny>> {
     yes_or_no(py, question.ask(py, Search::OneThread, move |batch| batch.within(clearance))?)
 }
 
-/// Returns six columns: whether the things intersect, lower and upper bound of the depth, (...),
-/// and normal, point of a and point of b, (..., 3). All numbers are zero if the things do not
-/// intersect.
+/// Returns the penetration of two things as six columns in the world frame: whether they intersect,
+/// lower and upper bound of the depth, (...), and normal, point of a and point of b, (..., 3). All
+/// numbers are zero if the things do not intersect.
 #[pyfunction]
 pub(crate) fn penetration(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
     const NONE: Penetration = Penetration { upper: 0.0, ..Penetration::UNKNOWN };

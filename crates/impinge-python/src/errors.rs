@@ -14,7 +14,7 @@ pub(crate) struct Fault {
     pub(crate) kind: &'static str,
     /// Name of the argument, such as `"pose_b"`.
     pub(crate) argument: String,
-    /// Index into the argument of the invalid value.
+    /// Index of the invalid value in the argument. Empty for the whole argument.
     pub(crate) at: Vec<usize>,
     /// Message for people, without the name of the argument.
     pub(crate) message: String,

@@ -10,7 +10,7 @@ use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::{MeshBase, mesh_of};
 use crate::workers;
 
-/// Returns the fields of `impinge.Health`.
+/// Computes the health of a mesh, as a dict of the fields of `impinge.Health`.
 #[pyfunction]
 pub(crate) fn health<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
     let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
@@ -41,14 +41,15 @@ pub(crate) fn health<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDic
     Ok(named)
 }
 
-/// Returns a tolerance at which welding closes the mesh, if there is one.
+/// Returns a tolerance in mesh units at which welding closes the mesh, or `None` if there is none.
 #[pyfunction]
 pub(crate) fn closing_tolerance(mesh: &Bound<'_, PyAny>) -> PyResult<Option<f64>> {
     let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
     workers::run(py, move |_| mesh.closing_tolerance())
 }
 
-/// Returns the repaired mesh and the fields of `impinge.Repair`.
+/// Returns the repaired mesh, and a dict of the fields of `impinge.Repair`. `weld` is a distance in
+/// mesh units.
 #[pyfunction]
 pub(crate) fn repaired<'py>(
     mesh: &Bound<'py, PyAny>,
@@ -78,7 +79,7 @@ pub(crate) fn repaired<'py>(
     Ok((MeshBase::of(&mesh), named))
 }
 
-/// Returns the fields of `impinge.TreeStatistics`.
+/// Computes the quality of a mesh's hierarchy, as a dict of the fields of `impinge.TreeStatistics`.
 #[pyfunction]
 pub(crate) fn tree_statistics<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
     let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);

@@ -69,14 +69,14 @@ impl MotionBase {
         self.shape.clone()
     }
 
-    /// Returns the poses at one time, (..., 4, 4).
+    /// Returns the poses of all motions at one time from 0 to 1, (..., 4, 4).
     fn poses_at<'py>(&self, py: Python<'py>, t: f64) -> PyResult<Bound<'py, PyAny>> {
         let matrices = self.motions.iter().flat_map(|motion| matrix(&motion.at(t))).collect();
         array(py, matrices, &[&self.shape[..], &[4, 4]].concat())
     }
 }
 
-/// Returns the rows of a pose's matrix, one after another.
+/// Returns the entries of a pose's 4 x 4 matrix, row by row.
 pub(crate) fn matrix(pose: &Pose) -> [f64; 16] {
     let mut numbers = [0.0; 16];
     for row in 0..3 {
@@ -106,7 +106,8 @@ pub(crate) fn motions_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<
 /// whether to show the progress.
 type Moving<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, SolidOption, Progress);
 
-/// Returns the lower and the upper bound of each time of impact, as two arrays.
+/// Returns the lower and the upper bound of each time of impact, from 0 at the start to 1 at the
+/// end, as two arrays. Both are infinite without contact.
 #[pyfunction]
 pub(crate) fn time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) -> PyResult<Bound<'py, PyAny>> {
     let (a, b, motion_a, motion_b, SolidOption(is_solid), Progress(progress)) = moving;

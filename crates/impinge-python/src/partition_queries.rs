@@ -48,8 +48,8 @@ pub(crate) fn partition_overlapping<'py>(
     Ok((array(py, offsets, &[places])?, array(py, keys, &[count])?, shape).into_pyobject(py)?.into_any())
 }
 
-/// Returns the parameter at which each ray enters its first box, (...), and the key of the box,
-/// (...). A ray that enters no box has infinity and -1.
+/// Returns the ray parameter t at which each ray enters its first box, (...), and the key of the
+/// box, (...). A ray that enters no box has infinity and -1.
 #[pyfunction]
 pub(crate) fn partition_ray_cast<'py>(
     partition: &Bound<'py, PartitionCore>,
@@ -74,8 +74,8 @@ pub(crate) fn partition_ray_cast<'py>(
     Ok((array(py, t, &shape)?, array(py, key, &shape)?).into_pyobject(py)?.into_any())
 }
 
-/// Returns all boxes that each ray enters: offsets of the rows, (n + 1,), parameters, (k,), keys,
-/// (k,), and the leading axes.
+/// Returns all boxes that each ray enters: offsets of the rows, (n + 1,), ray parameters t, (k,),
+/// keys, (k,), and the leading axes.
 #[pyfunction]
 pub(crate) fn partition_ray_cast_all<'py>(
     partition: &Bound<'py, PartitionCore>,

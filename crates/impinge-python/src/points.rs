@@ -24,7 +24,7 @@ pub(crate) const MAX_WORK_ON_CALLER: u128 = 1 << 20;
 
 /// Rows of three numbers with their leading axes.
 pub(crate) struct Points {
-    /// Leading axes. Empty for a single point.
+    /// Lengths of the leading axes. Empty for a single point.
     pub(crate) shape: Vec<usize>,
     /// Points in row-major order.
     pub(crate) rows: Vec<[f64; 3]>,
@@ -75,8 +75,9 @@ impl Points {
     }
 }
 
-/// Returns the nearest points, (..., 3), lower and upper bound of the distance, (...), and faces,
-/// (...). If the mesh is empty, faces are -1, points zero and bounds infinite.
+/// Returns the points of the surface nearest to given points, (..., 3), lower and upper bound of
+/// the distance, (...), and faces, (...). All are in the mesh frame. If the mesh is empty, faces
+/// are -1, points zero and bounds infinite.
 #[pyfunction]
 pub(crate) fn closest_point<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let py = mesh.py();
@@ -95,7 +96,9 @@ pub(crate) fn closest_point<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, P
     Ok(columns.into_pyobject(py)?.into_any())
 }
 
-/// Returns the distances, (...), which are negative inside.
+/// Returns the distances of points from the surface, (...), in mesh units. Magnitudes are upper
+/// bounds. A distance is zero on the surface, and negative if the point is inside or undecided. An
+/// empty mesh gives infinity.
 #[pyfunction]
 pub(crate) fn signed_distance<'py>(
     mesh: &Bound<'py, PyAny>,
@@ -114,14 +117,15 @@ pub(crate) fn signed_distance<'py>(
     array(mesh.py(), signed, &shape)
 }
 
-/// Returns the winding numbers, (...).
+/// Returns the winding numbers of the mesh about points of the mesh frame, (...), rounded.
 #[pyfunction]
 pub(crate) fn winding_number<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let (numbers, shape) = Points::read(points, "points", 128)?.ask(mesh, Mesh::winding_number)?;
     array(mesh.py(), numbers.iter().map(|number| number.value).collect(), &shape)
 }
 
-/// Returns whether the mesh contains each point, as booleans of shape (...).
+/// Reports whether the mesh contains each point of the mesh frame, as booleans of shape (...). An
+/// undecided point counts as contained.
 #[pyfunction]
 pub(crate) fn contains<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let (found, shape) = Points::read(points, "points", 128)?.ask(mesh, Mesh::contains)?;

@@ -15,8 +15,8 @@ use crate::workers::{self, Call};
 /// Exponent of the magnitude below which coordinates must be, 2^300.
 const EXPONENT: i32 = 300;
 
-/// Returns whether each ray hits the mesh, (...), the parameter, (...), the face, (...), and the
-/// point, (..., 3).
+/// Returns whether each ray hits the mesh, (...), the ray parameter t, (...), the face, (...), and
+/// the point, (..., 3), in the mesh frame.
 #[pyfunction]
 pub(crate) fn ray_cast<'py>(
     mesh: &Bound<'py, PyAny>,
@@ -54,7 +54,8 @@ pub(crate) fn ray_cast_all<'py>(
     Ok((array(py, offsets, &[places])?, hits, shape).into_pyobject(py)?.into_any())
 }
 
-/// Returns parameter, face and point of each hit. Without a hit they are infinity, -1 and zero.
+/// Returns ray parameter t, face and point of each hit, in the mesh frame. Without a hit they are
+/// infinity, -1 and zero.
 fn columns<'py>(py: Python<'py>, hits: Vec<Option<RayHit>>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let t = hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect();
     let face = hits.iter().map(|hit| hit.map_or(-1, |hit| i64::from(hit.face))).collect();
@@ -63,7 +64,7 @@ fn columns<'py>(py: Python<'py>, hits: Vec<Option<RayHit>>, shape: &[usize]) -> 
     Ok(columns.into_pyobject(py)?.into_any())
 }
 
-/// Rays: origins and directions, which broadcast.
+/// Rays as origins and directions, whose leading axes broadcast.
 pub(crate) struct Rays {
     origins: Points,
     directions: Points,

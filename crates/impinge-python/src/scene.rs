@@ -17,7 +17,7 @@ use crate::workers::{self, Call};
 type Part<'py> = (String, Bound<'py, PyAny>, bool, Bound<'py, PyAny>);
 
 /// Returns for each configuration the pairs of parts that intersect, penetrate or come within a
-/// clearance. Pairs of indices into `parts` that are `ignored` are skipped.
+/// clearance in world units. Pairs of indices into `parts` that are `ignored` are skipped.
 ///
 /// The result is the leading axes, the offsets of the configurations, (n + 1,), and the pairs of
 /// indices of all configurations, (k, 2).

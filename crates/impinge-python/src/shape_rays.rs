@@ -12,8 +12,9 @@ use crate::world_bodies::refused;
 /// Maximum number of rays times pieces of a call that runs on the caller's thread.
 const MAX_WORK_ON_CALLER: u64 = 1 << 12;
 
-/// Returns whether each ray hits the shape, (...), the parameter, (...), the face of a mesh, (...),
-/// and the point, (..., 3).
+/// Returns whether each ray hits the shape, (...), the ray parameter t, (...), the face if the
+/// shape is a mesh, else -1, (...), and the point, (..., 3). Rays and points are in the frame of
+/// the shape.
 #[pyfunction]
 pub(crate) fn shape_ray_cast<'py>(
     shape: &Bound<'py, PyAny>,

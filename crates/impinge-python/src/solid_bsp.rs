@@ -32,7 +32,7 @@ impl SolidBspCore {
         (self.0.cells(), self.0.depth())
     }
 
-    /// Returns whether the mesh contains each point, as booleans of shape (...).
+    /// Reports whether the mesh contains each point of the mesh frame, as booleans of shape (...).
     fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let (py, tree) = (points.py(), self.0.clone());
         // In this range every point is valid.

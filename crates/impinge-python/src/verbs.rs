@@ -17,13 +17,15 @@ use crate::mesh::mesh_of;
 use crate::question::{Question, Replies, Search};
 use crate::workers;
 
-/// Returns a `bool` or an array of them. An undecided answer counts as `True`.
+/// Reports whether two things intersect: one `bool` without leading axes, or an array. An undecided
+/// answer counts as `True`.
 #[pyfunction]
 pub(crate) fn intersects(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
     yes_or_no(py, question.ask(py, Search::OneThread, |batch| batch.intersects())?)
 }
 
-/// Returns a `bool` or an array of them. An undecided answer counts as `True`.
+/// Reports whether the interiors of two things intersect: one `bool` without leading axes, or an
+/// array. An undecided answer counts as `True`.
 #[pyfunction]
 pub(crate) fn penetrates(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
     yes_or_no(py, question.ask(py, Search::Whole, |batch| batch.penetrates())?.map(Penetrates::possibly))
@@ -37,9 +39,9 @@ pub(crate) fn yes_or_no(py: Python<'_>, replies: Replies<bool>) -> PyResult<Boun
     })
 }
 
-/// Returns the pairs and whether there are more: a (k, 2) array and a `bool`. With leading axes it
-/// returns the offsets of the rows, the pairs of all rows in one array, the leading axes, and an
-/// array of `bool`.
+/// Returns the pairs of intersecting faces and whether there are more: a (k, 2) array and a `bool`.
+/// With leading axes it returns the offsets of the rows, the pairs of all rows in one array, the
+/// leading axes, and an array of `bool`.
 #[pyfunction]
 pub(crate) fn intersecting_pairs(
     py: Python<'_>,
@@ -64,8 +66,9 @@ pub(crate) fn intersecting_pairs(
     })
 }
 
-/// Returns a list of (n, 3) arrays, one for each polyline. A point at which surfaces touch is an
-/// array of one row. With leading axes the lists are nested.
+/// Returns the intersection curves in the world frame: a list of (n, 3) arrays, one for each
+/// polyline. A point at which surfaces touch is an array of one row. With leading axes the lists
+/// are nested.
 #[pyfunction]
 pub(crate) fn intersection_curves(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
     both_meshes(py, &question)?;
@@ -89,7 +92,7 @@ pub(crate) fn intersection_curves(py: Python<'_>, question: Question) -> PyResul
     })
 }
 
-/// Returns the leading axes and the columns of `contacts::columns`.
+/// Returns the contacts of two things: the leading axes and the columns of `contacts::columns`.
 #[pyfunction]
 pub(crate) fn contacts_of(
     py: Python<'_>,
@@ -105,7 +108,8 @@ pub(crate) fn contacts_of(
     })
 }
 
-/// Returns the pairs of faces that intersect, (k, 2).
+/// Returns the pairs of faces of one mesh that intersect outside of common corners and edges, (k,
+/// 2).
 #[pyfunction]
 pub(crate) fn self_intersecting_pairs<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
@@ -148,7 +152,7 @@ pub(crate) fn contact_points<'py>(
 }
 
 /// Returns for each pair of intersecting faces, (k, 2), the normal, (k, 3), and the depth, (k,), of
-/// the region that it belongs to. Pairs that do not intersect get zeros.
+/// its region of contact, in the world frame. Pairs that do not intersect get zeros.
 #[pyfunction]
 pub(crate) fn contact_normals<'py>(
     py: Python<'py>,

@@ -42,11 +42,12 @@ thread_local! {
 }
 
 impl WorldCore {
-    /// Waits for a turn at the world, detached from the interpreter.
+    /// Waits until no other call uses the world, without holding the interpreter. Returns the
+    /// exclusive turn.
     ///
     /// # Errors
-    /// `RuntimeError` if a filter makes the call, because the world is changing then. The exception
-    /// of a signal that ends the wait.
+    /// A `RuntimeError` within a filter, because the world is changing then. If a signal handler
+    /// raises during the wait, its exception.
     pub(crate) fn turn(&self, py: Python<'_>) -> PyResult<Turn> {
         if IN_FILTER.get() {
             let message = "a filter cannot query the world, which is changing while the filter runs";
@@ -60,7 +61,7 @@ impl WorldCore {
         }
     }
 
-    /// Reads the world, detached from the interpreter.
+    /// Returns the result of `look` for the world, without holding the interpreter.
     ///
     /// # Errors
     /// As for [`turn`](Self::turn).
@@ -69,7 +70,7 @@ impl WorldCore {
         Ok(py.detach(move || look(&turn.read())))
     }
 
-    /// Changes the world, detached from the interpreter.
+    /// Returns the result of `change`, which may change the world, without holding the interpreter.
     ///
     /// # Errors
     /// As for [`turn`](Self::turn).
@@ -77,7 +78,7 @@ impl WorldCore {
         self.reshape(py, |world, _| change(world))
     }
 
-    /// Changes the world and the table of its shapes, detached from the interpreter.
+    /// Changes the world and the table of its shapes, without holding the interpreter.
     ///
     /// # Errors
     /// As for [`turn`](Self::turn).
@@ -175,8 +176,8 @@ impl WorldCore {
         removed.map_err(|error| of_bodies(&error, &ids, "bodies").raised(bodies.py()))
     }
 
-    /// Moves bodies and returns the changes: pairs that began, (k, 2), pairs that ended, (k, 2),
-    /// the other pairs, (k, 2), if they are wanted, and five counters of work.
+    /// Moves bodies to poses in the world and returns the changes: pairs that began, (k, 2), pairs
+    /// that ended, (k, 2), the other pairs, (k, 2), if they are wanted, and five counters of work.
     fn step<'py>(
         &self,
         bodies: &Handles<'py>,
@@ -228,7 +229,7 @@ impl WorldCore {
         contacts::columns(py, found.iter().map(Vec::as_slice))
     }
 
-    /// Returns the poses of bodies, (n, 4, 4).
+    /// Returns the poses of bodies, (n, 4, 4), which map body frames to the world frame.
     fn poses<'py>(&self, bodies: &Handles<'py>) -> PyResult<Bound<'py, PyAny>> {
         let found = self.of_each(bodies, |world, id| world.pose(id).map(matrix))?;
         let count = found.len();
@@ -242,8 +243,8 @@ impl WorldCore {
         array(bodies.py(), found, &[count])
     }
 
-    /// Returns the lower and upper corners of boxes around bodies, (n, 2, 3). They are infinite for
-    /// unbounded bodies.
+    /// Returns the lower and upper corners of boxes around bodies in the world frame, (n, 2, 3).
+    /// They are infinite for unbounded bodies.
     fn bounds<'py>(&self, bodies: &Handles<'py>) -> PyResult<Bound<'py, PyAny>> {
         const EVERYWHERE: [[f64; 3]; 2] = [[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]];
         let found = self.of_each(bodies, |world, id| {
@@ -308,8 +309,8 @@ impl WorldCore {
         set.map_err(|error| refused(&error, "body", 0).at(Vec::new()).raised(py))
     }
 
-    /// Moves the vertices of a body that is a mesh. Returns the cost of its hierarchy relative to
-    /// its cost when it was built.
+    /// Moves the vertices of a body that is a mesh, to positions in the mesh frame. Returns the
+    /// cost of its hierarchy relative to its cost when it was built.
     fn refit(&self, body: u64, vertices: &Bound<'_, PyAny>) -> PyResult<f64> {
         let py = vertices.py();
         let positions: Positions = read_positions(vertices)?;

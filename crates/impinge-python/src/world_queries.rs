@@ -19,9 +19,9 @@ use crate::world::WorldCore;
 /// Exponent of the magnitude below which coordinates must be, 2^128.
 const EXPONENT: i32 = 128;
 
-/// Returns whether each ray hits a body, (...), the parameter, (...), the body, (...), the point,
-/// (..., 3), and the face, (...), which is -1 if the body is not a mesh. Rays hit bodies on
-/// `layers`, up to `reach`.
+/// Returns whether each ray in the world frame hits a body, (...), the ray parameter t, (...), the
+/// body, (...), the point, (..., 3), and the face, (...), which is -1 if the body is not a mesh.
+/// Rays hit bodies on `layers`, up to `reach`.
 #[pyfunction]
 pub(crate) fn world_ray_cast<'py>(
     world: &Bound<'py, WorldCore>,
@@ -70,7 +70,7 @@ fn cast<'py, T: Send + 'static>(
     })
 }
 
-/// Returns the parameter, (...), the body, (...), the point, (..., 3), and the face, (...).
+/// Returns the ray parameter t, (...), the body, (...), the point, (..., 3), and the face, (...).
 fn columns<'py>(py: Python<'py>, hits: Vec<Option<BodyRayHit>>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let t = hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect();
     let body = hits.iter().map(|hit| hit.map_or(0, |hit| hit.body.to_bits())).collect();
@@ -113,7 +113,7 @@ fn ask<T: Send + Sync + 'static>(
     checked.collect()
 }
 
-/// Returns the bodies that contain points, (..., 3).
+/// Returns the bodies that contain each point of the world frame, (..., 3), as `found` makes them.
 #[pyfunction]
 pub(crate) fn world_at_points<'py>(
     world: &Bound<'py, WorldCore>,
@@ -125,7 +125,8 @@ pub(crate) fn world_at_points<'py>(
     found(world.py(), hits, shape)
 }
 
-/// Returns the bodies whose boxes overlap given boxes. Lower and upper corners have shape (..., 3).
+/// Returns the bodies whose boxes overlap each box in the world frame, as `found` makes them. Lower
+/// and upper corners have shape (..., 3).
 #[pyfunction]
 pub(crate) fn world_in_boxes<'py>(
     world: &Bound<'py, WorldCore>,
@@ -138,7 +139,8 @@ pub(crate) fn world_in_boxes<'py>(
     found(world.py(), hits, shape)
 }
 
-/// Returns the bodies that intersect a shape at poses, (..., 4, 4).
+/// Returns the bodies that intersect a shape at each pose, (..., 4, 4), as `found` makes them.
+/// Undecided bodies are included.
 #[pyfunction]
 pub(crate) fn world_overlapping<'py>(
     world: &Bound<'py, WorldCore>,

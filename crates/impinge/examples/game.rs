@@ -1,5 +1,5 @@
-//! A game's collision loop: crates and balls fall onto a floor, a door opens, a ghost passes through it all, and a shot is
-//! taken back. `cargo run --release --example game`
+//! A game's collision loop: crates and balls fall onto a floor, a door opens, a ghost passes
+//! through it all, and a shot is taken back. `cargo run --release --example game`
 
 #![allow(clippy::print_stdout, reason = "what an example prints is what it is for")]
 
@@ -46,7 +46,8 @@ fn main() -> Result<(), WorldError> {
         for key in &events.began {
             println!("frame {frame}: {} meets {}", key.a, key.b);
         }
-        // Push things out of what they sank into, along the normal from the first body to the second.
+        // Push things out of what they sank into, along the normal from the first body to the
+        // second.
         for (body, place) in &mut falling {
             for pair in world.pairs_of(*body)? {
                 let Some(manifold) = pair.manifolds.first() else { continue };

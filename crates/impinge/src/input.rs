@@ -16,14 +16,14 @@ pub struct InputError {
 pub enum InputErrorKind {
     /// A number is NaN or infinite.
     NonFinite {
-        /// Noun for the value that holds the number: `"vertex"`, `"pose entry"`.
+        /// Noun for the value that holds the number, such as `"vertex"` or `"pose entry"`.
         what: &'static str,
         /// Index of that value, counted from zero. For a pose: the entry in row-major order.
         index: usize,
     },
     /// A number is finite but outside the range for which the answers are proved.
     OutOfRange {
-        /// Noun for the value that holds the number: `"vertex"`, `"pose entry"`.
+        /// Noun for the value that holds the number, such as `"vertex"` or `"pose entry"`.
         what: &'static str,
         /// Index of that value, counted from zero.
         index: usize,
@@ -48,7 +48,7 @@ pub enum InputErrorKind {
     },
     /// The number of elements differs from the number that is needed.
     OtherCount {
-        /// Noun for the elements: `"vertices"`.
+        /// Noun for the elements, such as `"vertices"`.
         what: &'static str,
         /// Number of elements given.
         count: usize,
@@ -64,21 +64,21 @@ pub enum InputErrorKind {
     Singular,
     /// A quaternion is not of unit length.
     NotUnitQuaternion {
-        /// Length of the quaternion.
+        /// Length of the quaternion, rounded.
         length: f64,
     },
     /// The length of a rotation axis is zero.
     ZeroAxis,
     /// There are no elements, so there is nothing to bound.
     Empty {
-        /// Noun for the missing elements: `"points"`.
+        /// Noun for the missing elements, such as `"points"`.
         what: &'static str,
     },
     /// A length is negative.
     Negative {
-        /// Noun for the length: `"radius"`, `"half-extent"`.
+        /// Noun for the length, such as `"radius"` or `"half-extent"`.
         what: &'static str,
-        /// Index of the length, counted from zero.
+        /// Index of the length among the lengths of that noun, counted from zero.
         index: usize,
     },
     /// A map changes shapes, but a rigid motion is required.

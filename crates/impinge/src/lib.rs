@@ -100,6 +100,8 @@
 //! | `serde` | no | stores a [`Pose`] as the four rows of its matrix, and validates it when it is read |
 //! | `scalar` | no | compiles every kernel without vector instructions too, for tests |
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 pub mod character;
 pub mod convex;
 pub mod exact;

@@ -14,14 +14,14 @@ from impinge.fcl._geometry import CollisionGeometry, CollisionObject
 
 
 class Contact:
-    """Two faces in contact.
+    """Two faces in contact, or two geometries of which one is inside the other or has no mesh.
 
     Attributes
     ----------
     o1, o2 : CollisionGeometry
         The geometries.
     b1, b2 : int
-        Faces of the geometries; -1 for both if one body is inside the other.
+        Faces of the geometries; -1 for both if one body is inside the other or has no mesh.
     pos : (3,) float64 array
         A point of both geometries in the world frame, rounded. `pos`, `normal` and
         `penetration_depth` exist only with ``enable_contact``.
@@ -30,7 +30,8 @@ class Contact:
         the shortest way to separate them. For surfaces it is the normal of the region in which they
         penetrate each other; faces are assumed to be counterclockwise as seen from outside.
     penetration_depth : float
-        Penetration depth along the normal, of the two solids or in this region; at least zero.
+        Penetration depth along the normal, of the two solids or in this region, in world units; at
+        least zero.
     """
 
     def __init__(self, o1: CollisionGeometry, o2: CollisionGeometry, b1: int, b2: int) -> None:
@@ -41,10 +42,17 @@ class Contact:
 
 
 class CollisionRequest:
-    """Maximum number of contacts, and whether to compute their positions, normals and depths.
+    """Options of `collide`.
 
     Computing the normals of surfaces takes as long as finding all their pairs, even if few contacts
     are requested.
+
+    Attributes
+    ----------
+    num_max_contacts : int
+        Maximum number of contacts that a call adds.
+    enable_contact : bool
+        Whether to compute the positions, normals and depths of contacts.
     """
 
     def __init__(self, num_max_contacts: int = 1, enable_contact: bool = False) -> None:
@@ -53,7 +61,15 @@ class CollisionRequest:
 
 
 class CollisionResult:
-    """Whether any collision was found so far, and the contacts."""
+    """Contacts that calls of `collide` added.
+
+    Attributes
+    ----------
+    is_collision : bool
+        Whether any contact was found so far.
+    contacts : list of Contact
+        The contacts found so far.
+    """
 
     def __init__(self) -> None:
         self.is_collision = False
@@ -61,7 +77,17 @@ class CollisionResult:
 
 
 class CollisionData:
-    """Data for callbacks of a manager: the request, the result, and whether all is done."""
+    """Data for `defaultCollisionCallback`.
+
+    Attributes
+    ----------
+    request : CollisionRequest
+        Options of `collide`.
+    result : CollisionResult
+        The contacts found so far.
+    done : bool
+        Whether the manager may stop.
+    """
 
     def __init__(self, request: CollisionRequest | None = None, result: CollisionResult | None = None) -> None:
         self.request = CollisionRequest() if request is None else request
@@ -77,7 +103,8 @@ def collide(
 ) -> int:
     """Add the contacts of two objects to the result, and return the number of added contacts.
 
-    The request limits the number of contacts.
+    The request limits the number of contacts. The number is 0 if and only if the objects do not
+    collide, or if the limit is 0.
     """
     request = CollisionRequest() if request is None else request
     result = CollisionResult() if result is None else result

@@ -13,7 +13,15 @@ from impinge.fcl._geometry import CollisionGeometry, CollisionObject
 
 
 class DistanceRequest:
-    """Whether to return nearest points, and depths of overlapping solids as negative distances."""
+    """Options of `distance`.
+
+    Attributes
+    ----------
+    enable_nearest_points : bool
+        Whether to return nearest points.
+    enable_signed_distance : bool
+        Whether two solids that overlap have minus their depth as distance, instead of -1.
+    """
 
     def __init__(self, enable_nearest_points: bool = False, enable_signed_distance: bool = False) -> None:
         self.enable_nearest_points = enable_nearest_points
@@ -32,9 +40,9 @@ class DistanceResult:
         Nearest points on the two objects in the world frame, rounded; zero if they collide, or if
         the points were not requested.
     o1, o2 : CollisionGeometry or None
-        The geometries.
+        The geometries of the two objects; None at first.
     b1, b2 : int
-        Faces of the geometries; -1 for a solid, and for a body inside one.
+        Nearest faces of the geometries; -1 for a solid, and for a body inside one.
     """
 
     def __init__(self) -> None:
@@ -46,7 +54,17 @@ class DistanceResult:
 
 
 class DistanceData:
-    """Data for callbacks of a manager: the request, the result, and whether all is done."""
+    """Data for `defaultDistanceCallback`.
+
+    Attributes
+    ----------
+    request : DistanceRequest
+        Options of `distance`.
+    result : DistanceResult
+        The minimum distance so far.
+    done : bool
+        Whether the manager may stop; set by the caller.
+    """
 
     def __init__(self, request: DistanceRequest | None = None, result: DistanceResult | None = None) -> None:
         self.request = DistanceRequest() if request is None else request
@@ -60,7 +78,7 @@ def distance(
     request: DistanceRequest | None = None,
     result: DistanceResult | None = None,
 ) -> float:
-    """Return the distance of two objects, and store it in the result if it is a new minimum.
+    """Return the distance of two objects in world units; store it in the result if a new minimum.
 
     Two surfaces that intersect have distance 0. If at least one body is solid and they collide, the
     distance is -1. With ``enable_signed_distance`` and two solids, it is minus their depth. Two
@@ -81,7 +99,7 @@ def distance(
 def defaultDistanceCallback(
     o1: CollisionObject, o2: CollisionObject, cdata: DistanceData, dist: float
 ) -> tuple[bool, float]:
-    """Measure two objects, and return whether the manager may stop, and the minimum so far.
+    """Measure two objects; return whether the manager may stop, and the minimum distance so far.
 
     It never allows the manager to stop early, unless ``cdata.done`` is set.
     """

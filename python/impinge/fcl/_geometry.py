@@ -28,7 +28,7 @@ class CollisionGeometry:
 
     @property
     def body(self) -> _bodies.Body:
-        """The body of the geometry."""
+        """The surface or solid that the queries use; raises an `InputError` before `endModel`."""
         if self._body is None:
             message = f"{type(self).__name__} is not complete; call endModel() first"
             raise InputError(message, kind="input", what="geom")
@@ -54,17 +54,17 @@ class BVHModel(CollisionGeometry):
         return 0
 
     def addVertex(self, x: float, y: float, z: float) -> bool:
-        """Add a vertex."""
+        """Add a vertex in the frame of the model, without a triangle."""
         self._add(np.array([[real(x, "x"), real(y, "y"), real(z, "z")]]), np.zeros((0, 3), np.int64))
         return True
 
     def addTriangle(self, v1: ArrayLike, v2: ArrayLike, v3: ArrayLike) -> bool:
-        """Add a triangle with three positions."""
+        """Add a triangle with three (3,) positions in the frame of the model."""
         self._add(_corners(v1=v1, v2=v2, v3=v3), np.array([[0, 1, 2]]))
         return True
 
     def addSubModel(self, verts: ArrayLike, triangles: ArrayLike) -> bool:
-        """Add (n, 3) positions and (m, 3) triangles of their indices."""
+        """Add (n, 3) positions, in the model's frame, and (m, 3) triangles of their indices."""
         faces = plain_numbers(triangles, "triangles", _MAX_INDEX).astype(np.int64)
         if faces.size % 3:
             raise InputError(f"has shape {faces.shape}; (m, 3) is expected", kind="shape", what="triangles")
@@ -85,7 +85,7 @@ class BVHModel(CollisionGeometry):
 
 
 class Box(CollisionGeometry):
-    """A solid box about the origin with the given side lengths."""
+    """A solid box with the given side lengths, centered at the origin of its frame."""
 
     def __init__(self, x: float, y: float, z: float) -> None:
         super().__init__()
@@ -97,12 +97,12 @@ class Box(CollisionGeometry):
 
     @property
     def side(self) -> NDArray[np.float64]:
-        """The three side lengths."""
+        """The three side lengths along x, y and z."""
         return self._side.copy()
 
 
 class Convex(CollisionGeometry):
-    """A solid with (n, 3) vertices and a convex surface.
+    """A solid with (n, 3) vertices, in its own frame, and a convex surface.
 
     `faces` is a flat list: for each of the `num_faces` polygons the number of its corners, then the
     indices of its corners.
@@ -133,7 +133,7 @@ class Convex(CollisionGeometry):
 
 
 class TriangleP(CollisionGeometry):
-    """One triangle."""
+    """One triangle, a surface, with three (3,) corners in its own frame."""
 
     def __init__(self, a: ArrayLike, b: ArrayLike, c: ArrayLike) -> None:
         super().__init__()
@@ -141,7 +141,7 @@ class TriangleP(CollisionGeometry):
 
 
 class CollisionObject:
-    """A geometry with a transform."""
+    """A geometry with a transform, world from geometry; the default is the identity."""
 
     def __init__(self, geom: CollisionGeometry, tf: Transform | None = None) -> None:
         if not isinstance(geom, CollisionGeometry):
@@ -157,7 +157,7 @@ class CollisionObject:
 
     @property
     def box(self) -> NDArray[np.float64]:
-        """Lower and upper corners, (2, 3), of a box in the world frame around the object."""
+        """Lower and upper corners, (2, 3), of a world-frame box that contains the object."""
         return self.geometry.body.box_at(self.matrix)
 
     def getTransform(self) -> Transform:
@@ -165,27 +165,27 @@ class CollisionObject:
         return Transform(self._transform)
 
     def setTransform(self, tf: Transform) -> None:
-        """Set the rotation and the translation."""
+        """Set the rotation and the translation, world from geometry."""
         self._transform = Transform(tf)
 
     def getTranslation(self) -> NDArray[np.float64]:
-        """Return the (3,) translation."""
+        """Return the (3,) translation, in world units."""
         return self._transform.getTranslation()
 
     def setTranslation(self, vec: ArrayLike) -> None:
-        """Set the (3,) translation."""
+        """Set the (3,) translation, in world units."""
         self._transform.setTranslation(vec)
 
     def getRotation(self) -> NDArray[np.float64]:
-        """Return the (3, 3) rotation matrix."""
+        """Return the (3, 3) rotation matrix, world from geometry."""
         return self._transform.getRotation()
 
     def setRotation(self, mat: ArrayLike) -> None:
-        """Set the (3, 3) rotation matrix."""
+        """Set the (3, 3) rotation matrix, world from geometry, used unchanged."""
         self._transform.setRotation(mat)
 
     def getQuatRotation(self) -> NDArray[np.float64]:
-        """Return the unit quaternion, real part first."""
+        """Return the rotation as a unit quaternion, real part first."""
         return self._transform.getQuatRotation()
 
     def setQuatRotation(self, q: ArrayLike) -> None:

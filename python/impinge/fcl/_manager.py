@@ -43,7 +43,7 @@ def nearest_first(
 
 
 class DynamicAABBTreeCollisionManager:
-    """Many objects; pairs with overlapping boxes are passed to a callback in registration order."""
+    """Manager of many objects that passes pairs with overlapping boxes to a callback."""
 
     def __init__(self) -> None:
         self._objects: list[CollisionObject] = []
@@ -71,7 +71,7 @@ class DynamicAABBTreeCollisionManager:
         self._objects.clear()
 
     def getObjects(self) -> list[CollisionObject]:
-        """Return the objects."""
+        """Return a list of the objects, in the order of registration."""
         return list(self._objects)
 
     def size(self) -> int:
@@ -85,9 +85,10 @@ class DynamicAABBTreeCollisionManager:
     def distance(self, *args: Any) -> None:
         """Pass pairs to ``callback(o1, o2, cdata, dist)``, in ascending order of their boxes' gaps.
 
-        The callback returns whether to stop, and the minimum distance so far. Pairs whose boxes are
-        farther apart than this are skipped. ``distance(cdata, callback)`` measures pairs within the
-        manager. ``distance(other, cdata, callback)`` measures against an object or another manager.
+        The callback returns whether to stop, and the minimum distance so far; `dist` is that
+        minimum. Pairs whose boxes are farther apart are skipped. ``distance(cdata, callback)``
+        measures pairs within the manager. ``distance(other, cdata, callback)`` measures against an
+        object or another manager.
         """
         if len(args) == 2:
             pairs = list(combinations(self._objects, 2))

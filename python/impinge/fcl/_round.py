@@ -20,7 +20,7 @@ class _Solid(CollisionGeometry):
 
 
 class Sphere(_Solid):
-    """A solid sphere about the origin."""
+    """A solid sphere with the given radius, centered at the origin of its frame."""
 
     def __init__(self, radius: float) -> None:
         self.radius = real(radius, "radius")
@@ -28,7 +28,7 @@ class Sphere(_Solid):
 
 
 class Capsule(_Solid):
-    """A capsule around a segment of length `lz` along z, centered at the origin."""
+    """A capsule: all points within `radius` of a centered segment of length `lz` along z."""
 
     def __init__(self, radius: float, lz: float) -> None:
         self.radius, self.lz = real(radius, "radius"), real(lz, "lz")
@@ -36,7 +36,7 @@ class Capsule(_Solid):
 
 
 class Cylinder(_Solid):
-    """A solid cylinder of length `lz` along z, centered at the origin."""
+    """A solid cylinder with length `lz` along z, centered at the origin of its frame."""
 
     def __init__(self, radius: float, lz: float) -> None:
         self.radius, self.lz = real(radius, "radius"), real(lz, "lz")
@@ -44,7 +44,7 @@ class Cylinder(_Solid):
 
 
 class Cone(_Solid):
-    """A solid cone of height `lz` along z: base at ``-lz / 2``, tip at ``lz / 2``."""
+    """A solid cone of height `lz` along z: base of `radius` at ``-lz / 2``, tip at ``lz / 2``."""
 
     def __init__(self, radius: float, lz: float) -> None:
         self.radius, self.lz = real(radius, "radius"), real(lz, "lz")
@@ -52,7 +52,7 @@ class Cone(_Solid):
 
 
 class Ellipsoid(_Solid):
-    """A solid ellipsoid about the origin with the given half-axes."""
+    """A solid ellipsoid with the given half-axes, centered at the origin of its frame."""
 
     def __init__(self, x: float, y: float, z: float) -> None:
         self.radii: NDArray[np.float64] = np.array([real(x, "x"), real(y, "y"), real(z, "z")])
@@ -60,7 +60,7 @@ class Ellipsoid(_Solid):
 
 
 class Halfspace(_Solid):
-    """The half-space of all points x with ``n @ x <= d``.
+    """The half-space of all points x, in its own frame, with ``n @ x <= d``.
 
     Both `n` and `d` are divided by the length of `n`.
     """

@@ -14,11 +14,11 @@ from impinge._pose import pose
 
 
 class Transform:
-    """A rotation and a translation, world from geometry.
+    """A rotation, then a translation: a pose, world from geometry.
 
     Made by ``Transform()``, ``Transform(other)``, ``Transform(R)``, ``Transform(q)``,
     ``Transform(t)``, ``Transform(R, t)`` or ``Transform(q, t)``. ``R`` is a (3, 3) matrix, used
-    unchanged; ``q`` is a unit quaternion, real part first; ``t`` is a translation.
+    unchanged; ``q`` is a unit quaternion, real part first; ``t`` is a translation in world units.
     """
 
     def __init__(self, *args: Transform | ArrayLike) -> None:
@@ -45,23 +45,23 @@ class Transform:
             self.setRotation(value)
 
     def getRotation(self) -> NDArray[np.float64]:
-        """Return the (3, 3) rotation matrix."""
+        """Return a copy of the (3, 3) rotation matrix, world from geometry."""
         return self.matrix[:3, :3].copy()
 
     def getTranslation(self) -> NDArray[np.float64]:
-        """Return the (3,) translation."""
+        """Return a copy of the (3,) translation, in world units."""
         return self.matrix[:3, 3].copy()
 
     def getQuatRotation(self) -> NDArray[np.float64]:
-        """Return the unit quaternion, real part first."""
+        """Return the rotation as a unit quaternion, real part first, at least zero; rounded."""
         return _quaternion(self.matrix[:3, :3])
 
     def setRotation(self, R: ArrayLike) -> None:
-        """Set the (3, 3) rotation matrix."""
+        """Set the (3, 3) rotation matrix, world from geometry, used unchanged."""
         self.matrix = pose(self.matrix[:3, 3], rotation=shaped(R, (3, 3), "R"))
 
     def setTranslation(self, T: ArrayLike) -> None:
-        """Set the (3,) translation."""
+        """Set the (3,) translation, in world units."""
         self.matrix = pose(shaped(T, (3,), "T"), rotation=self.matrix[:3, :3])
 
     def setQuatRotation(self, q: ArrayLike) -> None:

@@ -1,4 +1,5 @@
-//! The lines of prose in a file: comments of Rust, docstrings and comments of Python, and Markdown outside of code.
+//! The lines of prose in a file: comments of Rust, docstrings and comments of Python, and Markdown
+//! outside of code.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -15,7 +16,8 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// Reports whether the line has a space at which it can wrap: tables, links and long paths have none.
+    /// Reports whether the line has a space at which it can wrap: tables, links and long paths have
+    /// none.
     pub(crate) fn can_wrap(&self) -> bool {
         let text = self.text.trim();
         text.contains(' ') && !text.starts_with('|') && !text.starts_with('[') && !text.contains("](")
@@ -62,12 +64,13 @@ fn outside_of_fences(text: &str, prose: impl Fn(&str) -> Option<&str>) -> Vec<Li
 
 /// Returns the lines of docstrings and comments, without the examples in docstrings.
 fn python(text: &str) -> Vec<Line> {
-    let mut is_docstring = false;
+    let (mut is_docstring, mut is_example) = (false, false);
     let mut found = Vec::new();
     for (at, line) in text.lines().enumerate() {
         let quotes = line.matches("\"\"\"").count();
         let trimmed = line.trim_start();
-        let is_example = trimmed.starts_with(">>>") || trimmed.starts_with("...");
+        // The output of an example ends at an empty line.
+        is_example = trimmed.starts_with(">>>") || (is_example && !trimmed.is_empty() && quotes == 0);
         if (is_docstring || quotes > 0) && !is_example {
             found.push(made(at, line, &trimmed.replace("\"\"\"", " ")));
         } else if let Some(comment) = trimmed.strip_prefix("# ") {
@@ -100,7 +103,7 @@ mod tests {
 
     #[test]
     fn python_has_docstrings_without_their_examples_and_comments() {
-        let text = "\"\"\"Head.\n\nMore.\n>>> 1 + 1\n\"\"\"\nx = 1\n# why\n";
+        let text = "\"\"\"Head.\n\nMore.\n>>> 1 + 1\n2\n\"\"\"\nx = 1\n# why\n";
         assert_eq!(texts("a.py", text), ["Head.", "", "More.", "", "why"]);
     }
 

@@ -1,6 +1,7 @@
 //! The first word of a doc comment: a verb for functions, a noun phrase for data.
 //!
 //! A heuristic: a list of words that begin no verb phrase, and of words that begin no noun phrase.
+//! The comment of a test states a fact, so it may begin with any word.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -41,8 +42,9 @@ const NO_VERB: [&str; 32] = [
     "With",
 ];
 
-/// Words that the doc comment of a type, field or constant does not begin with, as the noun comes late or never.
-const NO_NOUN: [&str; 8] = ["As", "How", "Its", "Of", "So", "That", "Those", "What"];
+/// Words that the doc comment of a type, field or constant does not begin with, as the noun comes
+/// late or never.
+const NO_NOUN: [&str; 7] = ["As", "Its", "Of", "So", "That", "Those", "What"];
 
 /// Returns the line and a report of each doc comment in a file that begins with another word.
 pub(crate) fn faults(file: &Path, text: &str) -> Vec<(usize, String)> {
@@ -61,8 +63,12 @@ fn rust(text: &str) -> Vec<(usize, String)> {
         if at > 0 && lines[at - 1].starts_with("///") {
             continue;
         }
-        let item = lines[at..].iter().find(|line| !line.starts_with("//") && !is_attribute(line));
-        let is_function = item.is_some_and(|item| is_function(item));
+        let end = lines[at..].iter().position(|line| !line.starts_with("//") && !is_attribute(line));
+        let Some(end) = end.map(|count| at + count) else { continue };
+        if lines[at..end].contains(&"#[test]") {
+            continue;
+        }
+        let is_function = is_function(lines[end]);
         found.extend(fault(doc, is_function).map(|fault| (at + 1, fault)));
     }
     found
@@ -80,13 +86,15 @@ fn is_function(item: &str) -> bool {
 fn python(text: &str) -> Vec<(usize, String)> {
     let lines: Vec<&str> = text.lines().map(str::trim).collect();
     let mut found = Vec::new();
-    let mut is_function = false;
+    let (mut is_function, mut is_test) = (false, false);
     for (at, line) in lines.iter().enumerate() {
         if line.starts_with("def ") || line.starts_with("class ") {
-            is_function = line.starts_with("def ");
+            let is_property = at > 0 && lines[at - 1].ends_with("property");
+            is_function = line.starts_with("def ") && !is_property;
+            is_test = line.starts_with("def test_");
         }
         let follows_head = at > 0 && lines[at - 1].ends_with(':');
-        if let Some(doc) = line.strip_prefix("\"\"\"").filter(|_| follows_head) {
+        if let Some(doc) = line.strip_prefix("\"\"\"").filter(|_| follows_head && !is_test) {
             found.extend(fault(doc, is_function).map(|fault| (at + 1, fault)));
         }
     }
@@ -108,8 +116,8 @@ mod tests {
 
     #[test]
     fn functions_begin_with_a_verb_and_data_with_a_noun() {
-        let text = "/// The sum.\n#[must_use]\npub fn sum() {}\n/// The sum.\nstruct Sum;\n/// What it is.\nconst X: u8 = 1;\n/// Returns it.\nfn it() {}\n";
-        assert_eq!(rust(text).iter().map(|fault| fault.0).collect::<Vec<_>>(), [1, 6]);
+        let text = "/// Any sum.\n#[test]\nfn t() {}\n/// The sum.\n#[must_use]\npub fn sum() {}\n/// The sum.\nstruct Sum;\n/// What it is.\nconst X: u8 = 1;\n/// Returns it.\nfn it() {}\n";
+        assert_eq!(rust(text).iter().map(|fault| fault.0).collect::<Vec<_>>(), [4, 9]);
     }
 
     #[test]

@@ -50,11 +50,12 @@ pub(crate) fn found_in(prose: &str) -> impl Iterator<Item = String> {
         .map(|(phrase, plain)| format!("\"{phrase}\": say {plain}"))
 }
 
-/// Reports whether a text contains a phrase as whole words.
+/// Reports whether a text contains a phrase as whole words. "There is none" is plain English.
 fn has_words(text: &str, phrase: &str) -> bool {
     text.match_indices(phrase).any(|(at, _)| {
         let is_letter = |c: Option<char>| c.is_some_and(char::is_alphanumeric);
-        !is_letter(text[..at].chars().next_back()) && !is_letter(text[at + phrase.len()..].chars().next())
+        let (before, after) = (&text[..at], &text[at + phrase.len()..]);
+        !is_letter(before.chars().next_back()) && !is_letter(after.chars().next()) && !before.ends_with("there ")
     })
 }
 
@@ -65,6 +66,7 @@ mod tests {
     #[test]
     fn phrases_are_found_as_whole_words_in_any_case() {
         assert_eq!(found_in("So many rows").count(), 1);
+        assert_eq!(found_in("`None` if there is none, but a pose that is none").count(), 1);
         assert_eq!(found_in("the least of the nearest pairs").count(), 0);
         assert_eq!(
             found_in("Validated, not judged.").next().unwrap(),

@@ -1,7 +1,8 @@
 //! A thermometer of plain English: how often telltale words occur in 1,000 words of prose.
 //!
-//! Six well-written peers (parry, memchr, regex-automata, kurbo, Box3D, Jolt) have 7 to 17 of "if" and "when", at most 1.9 of
-//! "where", at most 0.8 noun clauses with "what", and 2.8 to 7.8 of "return". The aims follow them.
+//! Six well-written peers (parry, memchr, regex-automata, kurbo, Box3D, Jolt) have 7 to 17 of "if"
+//! and "when", at most 1.9 of "where", at most 0.8 noun clauses with "what", and 2.8 to 7.8 of
+//! "return". The aims follow them.
 
 use std::fmt;
 use std::fs;

@@ -29,7 +29,7 @@ struct Arguments {
     /// Number of threads for building, refitting and validating
     #[arg(long, value_name = "N", default_value_t = 1)]
     threads: usize,
-    /// Number of runs of each
+    /// Number of runs of each operation
     #[arg(long, value_name = "N", default_value_t = 5)]
     repeats: usize,
 }
@@ -107,7 +107,8 @@ fn written(mesh: &Mesh, proxies: &Proxies, path: &Path) -> Result<()> {
     Ok(out.flush()?)
 }
 
-/// Times of reading a baked file in each way.
+/// Times to open a baked file, and to read its mesh and proxies with (`prove`) and without
+/// (`believe`) validation; and the size of the file.
 struct Opened {
     open: Samples,
     prove: Samples,

@@ -53,9 +53,9 @@ fn main() -> Result<()> {
         Some(path) => Surface::load(path)?.build(1)?.0,
         None => mesh.clone(),
     };
-    let mut table = Table::new(["distance", "cold min", "cold median", "seeded min", "seeded median"]);
+    let mut table = Table::new(["pose", "distance", "cold minimum", "cold median", "seeded minimum", "seeded median"]);
     let mut following = Cache::default();
-    for pose in arguments.standings()? {
+    for (number, pose) in (1..).zip(arguments.standings()?) {
         let measured = measure(&mesh, &other, pose, &mut following, arguments.repeats)?;
         if arguments.json {
             println!("{}", measured.json());
@@ -63,11 +63,12 @@ fn main() -> Result<()> {
             let ([cold_min, cold_median], [seeded_min, seeded_median]) =
                 (spread(&measured.cold), spread(&measured.seeded));
             let distance = format!("{:.9}", measured.distance);
-            table.row([distance, cold_min, cold_median, seeded_min, seeded_median]);
+            table.row([number.to_string(), distance, cold_min, cold_median, seeded_min, seeded_median]);
         }
     }
     if !arguments.json {
         print!("{table}");
+        table.record(&format!("{} triangles", mesh.faces().len()), 1)?;
     }
     Ok(())
 }
@@ -89,9 +90,9 @@ impl Arguments {
 struct Measured {
     distance: f64,
     cold: Samples,
-    /// Times with the cache of the pose before.
+    /// Times with the cache of the previous pose.
     following: Samples,
-    /// Times with the cache of this pose.
+    /// Times with the cache of the same pose.
     seeded: Samples,
 }
 

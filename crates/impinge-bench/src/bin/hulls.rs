@@ -15,6 +15,7 @@ use clap::Parser;
 use impinge::hull::Hull;
 use impinge::mesh::Containment;
 use impinge::{Mesh, Positions};
+use impinge_bench::record::{self, Row};
 use impinge_bench::samples::{Samples, timed};
 use serde_json::json;
 
@@ -45,6 +46,7 @@ fn main() -> Result<()> {
             Ok(seconds)
         })?;
         let (vertices, faces) = (reference.vertices(), reference.faces().len());
+        record::append(&Row::of_samples(&file.display().to_string(), "hull", &samples))?;
         println!("{}", json!({ "vertices": vertices, "faces": faces, "seconds": samples.seconds() }));
     }
     Ok(())

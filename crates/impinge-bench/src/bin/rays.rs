@@ -15,6 +15,7 @@ use std::path::PathBuf;
 use anyhow::{Result, ensure};
 use clap::Parser;
 use impinge::mesh::{Ray, RayHit};
+use impinge_bench::record::{self, Row};
 use impinge_bench::samples::{Samples, timed};
 use impinge_bench::scene::Choice;
 
@@ -62,6 +63,8 @@ fn main() -> Result<()> {
         [&t.to_le_bytes()[..], &face.to_le_bytes()].concat()
     };
     std::fs::write(&arguments.hits, single.iter().flat_map(row).collect::<Vec<u8>>())?;
+    record::append(&Row::of_samples("all rays", "one by one", &one_by_one))?;
+    record::append(&Row::of_samples("all rays", "in one call", &in_one_call))?;
     println!(
         "{}",
         serde_json::json!({ "one_by_one_seconds": one_by_one.seconds(), "in_one_call_seconds": in_one_call.seconds() })

@@ -31,10 +31,10 @@ const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 /// square of the number of faces, so all faces would take hours.
 const PARTS: [(&str, usize); 2] = [("cad_ventilator.ply", 1), ("cad_11752.ply", 64)];
 
-/// Shift of a part, as a fraction of its bounding box.
+/// Translation of a part, as a fraction of the size of its bounding box.
 const SHIFT: f64 = 0.01;
 
-/// Turn of a part about (1, 2, 3), in radians.
+/// Angle by which a part is turned about (1, 2, 3), in radians.
 const TURN: f64 = 0.3;
 
 /// Maximum time per pair of faces if every face intersects some, in seconds. It is far above the

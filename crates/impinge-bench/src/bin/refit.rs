@@ -22,7 +22,7 @@ use impinge_testkit::generate::knots::{TREFOIL, torus_knot};
 /// Numbers of quads along and around the knots: 20,000 to 2,000,000 triangles.
 const SIZES: [[u32; 2]; 3] = [[200, 50], [632, 158], [2000, 500]];
 
-/// Twists of the knot about its axis per unit of length along it, in radians.
+/// Twists of the knot about its axis, in radians per unit of length along the axis.
 const TWISTS: [f64; 6] = [0.0, 0.25, 0.5, 1.0, 2.0, 4.0];
 
 /// Number of frames of the twist as an animation. Each frame is turned further by
@@ -54,9 +54,13 @@ fn main() -> Result<()> {
         let twists: Vec<f64> = (1..=FRAMES_OF_TWIST).map(|frame| f64::from(frame) * TWIST_OF_FRAME).collect();
         print_json("twist", &twisted(&twists, repeats)?);
     } else {
-        println!("{}", growth(repeats)?);
+        let knots = growth(repeats)?;
+        println!("{knots}");
+        knots.record("knots", 1)?;
         let names = TWISTS.map(|twist| twist.to_string());
-        println!("{}", aging_table("twist, rad", names.into_iter().zip(twisted(&TWISTS, repeats)?)));
+        let table = aging_table("twist, rad", names.into_iter().zip(twisted(&TWISTS, repeats)?));
+        println!("{table}");
+        table.record("knot", 1)?;
     }
     let Some(folder) = data_folder() else { return Ok(()) };
     for name in ANIMATIONS {
@@ -66,7 +70,9 @@ fn main() -> Result<()> {
         } else {
             let numbered = (1..).zip(frames).filter(|(number, _)| number % EVERY == 0);
             let named = numbered.map(|(number, frame)| (number.to_string(), frame));
-            println!("{name}\n{}", aging_table("frame", named));
+            let table = aging_table("frame", named);
+            println!("{name}\n{table}");
+            table.record(name, 1)?;
         }
     }
     Ok(())
@@ -179,8 +185,8 @@ fn aging_table(first: &'static str, frames: impl IntoIterator<Item = (String, Fr
     table
 }
 
-/// Follows a knot of 200,000 triangles that is twisted more and more about its axis, against its
-/// original.
+/// Follows a knot of 200,000 triangles that is twisted more and more about its axis. Its queries
+/// are against the original knot.
 fn twisted(twists: &[f64], repeats: usize) -> Result<Vec<Frame>> {
     let knot = torus_knot(632, 158, TREFOIL);
     let still = Mesh::with_builder(Positions::F64(knot.vertices.clone()), knot.faces, Builder::Morton)?;
@@ -194,7 +200,7 @@ fn twisted(twists: &[f64], repeats: usize) -> Result<Vec<Frame>> {
     follow(&still, frames, (&still).into(), repeats)
 }
 
-/// Follows a recorded animation against its first frame, moved aside.
+/// Follows a recorded animation. Its queries are against a moved copy of its first frame.
 fn animated(folder: &Path, name: &str, repeats: usize) -> Result<Vec<Frame>> {
     let Animation { frames, faces } = Animation::read(folder, name)?;
     let still = Mesh::with_builder(Positions::F32(frames[0].clone()), faces, Builder::Morton)?;

@@ -102,7 +102,7 @@ fn points(mesh: &Mesh, count: usize) -> Vec<[f64; 3]> {
     (0..count).map(|_| point()).collect()
 }
 
-/// Returns rays from one such point toward another.
+/// Returns rays from random points toward others, all in the box of the mesh enlarged by 10 %.
 fn rays(mesh: &Mesh, count: usize) -> Result<Vec<Ray>> {
     let ends = points(mesh, 2 * count);
     let rays = ends.as_chunks::<2>().0.iter().map(|[from, to]| Ray::new(*from, [0, 1, 2].map(|k| to[k] - from[k])));

@@ -92,13 +92,13 @@ fn points(repeats: usize) -> Result<()> {
         ]);
     }
     println!("{table}");
-    Ok(())
+    table.record("points", 1)
 }
 
 fn meshes(along: u32, repeats: usize) -> Result<()> {
     let build = |mesh: impinge_testkit::Mesh| Mesh::new(Positions::F64(mesh.vertices), mesh.faces);
     let knot = build(torus_knot(along, along / 4, TREFOIL))?;
-    // It lies inside the other one everywhere.
+    // The thin knot lies inside the other knot.
     let thin = build(torus_knot(along, along / 4, Knot { radius: 0.2, ..TREFOIL }))?;
     let mut table = Table::new(["", "first", "again", "answer"]);
     let mut ask = |name: &str, question: &dyn Fn() -> Result<String>, expected: &str| -> Result<()> {
@@ -133,7 +133,7 @@ fn meshes(along: u32, repeats: usize) -> Result<()> {
     ask("fan with itself", &|| Ok(query::self_intersecting_pairs(&fan).len().to_string()), "0")?;
     ask("knot with itself", &|| Ok(query::self_intersecting_pairs(&knot).len().to_string()), "0")?;
     println!("{table}");
-    Ok(())
+    table.record("meshes", 1)
 }
 
 /// Returns a block of unit height whose upper and lower sides are grids of `n` by `n` squares.

@@ -18,7 +18,7 @@ pub(super) enum PairsFormat {
 }
 
 impl PairsFormat {
-    /// Returns the format that the extension stands for.
+    /// Returns the format that the extension of a path names.
     ///
     /// # Errors
     /// Returns an error if the extension is neither `.csv` nor `.npy`.

@@ -1,5 +1,5 @@
-//! Draws the contact sheet: frames side by side, with the mesh in gray and each volume as an
-//! outline and a tint over it.
+//! Draws frames of a character side by side, with the mesh in gray and each volume as a tinted
+//! outline.
 
 use std::io;
 use std::path::Path;
@@ -28,7 +28,7 @@ const OUTLINE: usize = 96;
 pub(super) const NAMES: [&str; 6] = ["blue", "red", "green", "pink", "sky", "orange"];
 
 /// Returns the poses to draw: evenly spaced times of one animation, or the rest pose and the middle
-/// of each animation.
+/// of each of the first seven animations.
 ///
 /// # Errors
 /// Returns an error if the animation does not exist, or a pose is out of range.
@@ -53,10 +53,11 @@ pub(super) fn poses(rig: &Rig, animation: Option<&str>, path: &Path) -> Result<V
     (0..FRAMES).map(|frame| at(found, frame as f64 / (FRAMES - 1) as f64)).collect()
 }
 
-/// The drawn picture.
+/// Picture of a character in several poses.
 pub(super) struct Sheet(Canvas);
 
 impl Sheet {
+    /// Draws the mesh and the volumes in each pose, row by row.
     pub(super) fn draw(rig: &Rig, character: &Character, poses: &[RigPose]) -> Self {
         let boxes: Vec<[[f64; 3]; 2]> = poses.iter().flat_map(|pose| boxes(character, pose)).collect();
         let camera = Camera::around(&boxes, 1, SIDE);

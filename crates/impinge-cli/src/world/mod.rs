@@ -46,7 +46,7 @@ pub(crate) struct Arguments {
     /// How to find pairs of overlapping boxes
     #[arg(long, value_name = "KIND", default_value = "auto")]
     broad_phase: BroadPhaseArgument,
-    /// What to compute for each pair of overlapping boxes
+    /// Work to do for each pair of overlapping boxes
     #[arg(long, value_name = "WHAT", default_value = "contacts")]
     narrow_phase: NarrowPhaseArgument,
     /// Seed of the random numbers: another seed makes another scene of the same kind

@@ -47,7 +47,7 @@ fn invalid_characters_plans_and_outputs_are_errors() {
         (format!("hits {ROBOT} --animation Fly --picture out.png"), "there is no animation \"Fly\""),
         (format!("hits {ROBOT} --plan plan.toml"), "a bone of the rig"),
         ("hits cube.obj".to_owned(), "expected a glTF document"),
-        ("hits plain.gltf".to_owned(), "has no faces"),
+        ("hits plain.gltf".to_owned(), "at least one face"),
         ("hits missing.glb".to_owned(), "missing.glb"),
     ] {
         let run = folder.run(&arguments);

@@ -6,6 +6,7 @@ mod distances;
 mod errors;
 mod files;
 mod fit;
+mod help;
 mod hits;
 mod inspect;
 mod interrupt;

@@ -152,7 +152,7 @@ struct HeaderLines<'a> {
 
 impl<'a> HeaderLines<'a> {
     fn new(bytes: &'a [u8]) -> Self {
-        // Files of old Macintosh programs end lines with \r alone.
+        // Files from early Macintosh programs end lines with \r alone.
         let end = if bytes.get(3) == Some(&b'\r') && bytes.get(4) != Some(&b'\n') { b'\r' } else { b'\n' };
         Self { bytes, at: 0, number: 0, end }
     }

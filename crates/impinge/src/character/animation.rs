@@ -10,13 +10,14 @@ use super::transform::{Transform, normalized};
 /// The property that a channel animates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Target {
-    /// The translation of a bone: three values per key.
+    /// The translation of the bone with this index, relative to its parent: three values per key.
     Translation(u32),
-    /// The rotation of a bone: four values per key, (w, x, y, z).
+    /// The rotation of the bone with this index, relative to its parent: a quaternion (w, x, y, z)
+    /// per key.
     Rotation(u32),
-    /// The scale of a bone: three values per key.
+    /// The scale of the bone with this index along its own axes: three values per key.
     Scale(u32),
-    /// The weight of a morph target: one value per key.
+    /// The weight of the morph target with this index: one value per key.
     MorphWeight(u32),
 }
 
@@ -48,26 +49,27 @@ pub enum Interpolation {
     Step,
     /// Linear interpolation. Rotations take the shorter arc at constant speed.
     Linear,
-    /// A cubic Hermite spline. Each key has the slope before it, its value and the slope after it.
-    /// Interpolated rotations are normalized to length 1.
+    /// A cubic Hermite spline. Each key has the slope before it per second, its value, and the
+    /// slope after it per second. Interpolated rotations are normalized to length 1.
     CubicSpline,
 }
 
-/// One channel as it is given.
+/// One channel as it is given: the keys of one animated property.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
     /// The property that the channel animates.
     pub target: Target,
     /// The interpolation between its keys.
     pub interpolation: Interpolation,
-    /// The times of its keys in seconds, increasing. The first value holds before the first key,
-    /// the last value after the last key.
+    /// The times of its keys in seconds, strictly increasing. The first value holds before the
+    /// first key, the last value after the last key.
     pub times: Vec<f64>,
     /// The values, key by key: as many as the target needs, or three times as many for splines.
     pub values: Vec<f64>,
 }
 
-/// A motion of a rig: channels that play together.
+/// A motion of a rig: channels that play together. Of several channels with one target, the last is
+/// used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Animation {
     name: String,
@@ -134,7 +136,7 @@ impl Animation {
         Ok(Self { name, timelines, tracks, singles })
     }
 
-    /// Returns the name. It is empty if the rig has none.
+    /// Returns the name, which may be empty.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -153,7 +155,8 @@ impl Animation {
         if start <= end { [start, end] } else { [0.0; 2] }
     }
 
-    /// Returns the times of all keys of all channels, increasing and without duplicates.
+    /// Returns the times of all keys of all channels, in seconds, increasing and without
+    /// duplicates.
     #[must_use]
     pub fn key_times(&self) -> Vec<f64> {
         let mut times: Vec<f64> = self.timelines.iter().flat_map(|timeline| &timeline.times).copied().collect();

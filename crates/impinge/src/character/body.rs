@@ -14,7 +14,7 @@ use super::skin_tree::SkinTree;
 use super::visit::visit_positions;
 use crate::math::vec3::length;
 
-/// The hit volumes of a rigged character.
+/// The hit volumes of a rigged character: one for each part, fixed to a bone.
 #[derive(Clone, Debug)]
 pub struct Character {
     parts: Vec<HitPart>,
@@ -27,17 +27,19 @@ pub struct Character {
     pub(super) piece_anchors: Vec<u32>,
 }
 
-/// The part of a surface that is outside the volumes.
+/// How far the vertices of one part stick out of the volumes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Leak {
-    /// Share of the vertices that are outside, over poses of all animations, from 0 to 1.
+    /// Share of the part's vertices that are outside all volumes, from 0 to 1, averaged over poses
+    /// of all animations.
     pub share: f64,
-    /// Distance from the volumes to the farthest vertex outside, in units of the rig.
+    /// Distance from the volumes to the farthest vertex outside, in units of the rig, rounded. It
+    /// is 0 if no vertex is outside.
     pub farthest: f64,
 }
 
 impl Character {
-    /// Fits volumes to the parts of a plan.
+    /// Fits volumes to the parts of a plan. Parts without faces are left out.
     ///
     /// # Errors
     /// Returns an error if the plan names bones that do not exist, the rig has no faces, a pose is
@@ -67,10 +69,10 @@ impl Character {
         Self { parts, part_of_face, skin_tree, pieces: Vec::new(), piece_anchors: Vec::new() }
     }
 
-    /// Refines the volumes into convex hulls, each around at most `faces` faces that follow the
-    /// same bone. The hulls enclose these faces conservatively. A ray that enters a volume is then
-    /// tested against its hulls, so the reported part is much more often the part that the surface
-    /// itself would report. All other queries still use the volumes of the parts.
+    /// Refines the volumes into convex hulls, each around at most `faces` faces (at least one) that
+    /// follow the same bone. The hulls enclose these faces conservatively. A ray that enters a
+    /// volume is then tested against its hulls, so the reported part is much more often the part
+    /// that the surface itself would report. All other queries still use the volumes of the parts.
     ///
     /// # Errors
     /// Same as [`fit`](Self::fit).
@@ -93,7 +95,7 @@ impl Character {
     }
 
     /// Builds a character from existing parts, such as saved ones. Every face goes to the part of
-    /// its bone.
+    /// its bone, as [`Plan::part_of_bones`] finds it.
     ///
     /// # Errors
     /// Returns an error if there are no parts, a bone does not exist, or the rig has no faces.
@@ -132,7 +134,11 @@ impl Character {
         &self.skin_tree
     }
 
-    /// Returns the frame of each part, in the world, for a pose of the rig.
+    /// Returns the rigid frame of each part's bone, in the world, for a pose of the rig. The volume
+    /// of the part is given in it.
+    ///
+    /// # Panics
+    /// If the pose lacks a bone that a part is fixed to.
     #[must_use]
     pub fn frames(&self, pose: &RigPose) -> Vec<Frame> {
         let frame = |part: &HitPart| {
@@ -143,7 +149,8 @@ impl Character {
     }
 
     /// Measures, for each part, the share of its vertices that are outside all volumes and their
-    /// largest distance. Uses about 100 poses over all animations.
+    /// largest distance. Uses about 100 poses over all animations. It proves nothing about other
+    /// poses.
     ///
     /// # Errors
     /// Same as [`fit`](Self::fit).

@@ -18,7 +18,7 @@ use super::visit::visit_positions;
 use super::volume::{HitHull, HitVolume, VolumeKind, box_of};
 use crate::math::vec3::{Vector, add, dot, length, scale, sub};
 
-/// Whether volumes enclose everything.
+/// How tightly volumes are fitted: whether they enclose every vertex or leave out the outermost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Mode {
     /// No point of the skinned surface is ever outside, at rest and at every time of every
@@ -38,11 +38,11 @@ const POSES: usize = 96;
 /// A part of a character, with a volume in the rigid frame of a bone.
 #[derive(Clone, Debug)]
 pub struct HitPart {
-    /// The name.
+    /// The name of the part.
     pub name: String,
-    /// The bones whose faces belong to the part.
+    /// The indices of the bones whose faces belong to the part.
     pub bones: Vec<u32>,
-    /// The bone that the volume is fixed to.
+    /// The index of the bone that the volume is fixed to.
     pub anchor: u32,
     pub(super) volume: HitVolume,
     /// Surface area of the volume divided by that of the convex hull of the points it was fitted

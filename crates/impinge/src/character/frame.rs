@@ -6,7 +6,8 @@ use crate::math::Pose;
 use super::transform::{apply, matrix, normalized};
 use crate::math::vec3::{Vector, add, sub};
 
-/// A rigid frame of a bone: a rotation and an origin in the world.
+/// The rigid frame of a bone: a rotation and an origin in the world. Scales of the bone are left
+/// out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     pub(super) rotation_wxyz: [f64; 4],
@@ -20,19 +21,19 @@ impl Frame {
         Self { rotation_wxyz, rotation: matrix(rotation_wxyz), origin }
     }
 
-    /// Maps a point from this frame to the world.
+    /// Maps a point from this frame to the world, rounded.
     #[must_use]
     pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
         add(&apply(&self.rotation, point), &self.origin)
     }
 
-    /// Maps a point from the world to this frame.
+    /// Maps a point from the world to this frame, rounded.
     #[must_use]
     pub fn local(&self, point: [f64; 3]) -> [f64; 3] {
         super::transform::apply_transposed(&self.rotation, sub(&point, &self.origin))
     }
 
-    /// Returns the frame as a pose.
+    /// Returns the frame as a pose, which maps this frame to the world.
     ///
     /// # Errors
     /// Returns an error if the origin is out of range, which it never is for poses of a rig.

@@ -68,14 +68,14 @@ impl PartBodies {
         Ok(Self { bodies, sorted })
     }
 
-    /// Returns the bodies, one for each part.
+    /// Returns the bodies: the body at index `i` is part `i` of the character.
     #[must_use]
     pub fn bodies(&self) -> &[BodyId] {
         &self.bodies
     }
 
-    /// Returns the part that a body of the world stands for, or `None` if the body is something
-    /// else.
+    /// Returns the index of the part that a body of the world stands for, or `None` if the body is
+    /// something else.
     ///
     /// # Complexity
     /// O(log n) for n parts.

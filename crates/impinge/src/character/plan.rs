@@ -15,19 +15,19 @@ pub struct Plan {
 /// A planned part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartPlan {
-    /// The name used in results.
+    /// The name of the part in results.
     pub name: String,
-    /// The bones whose faces belong to the part.
+    /// The indices of the bones whose faces belong to the part.
     pub bones: Vec<u32>,
-    /// The bone that the volume is fixed to.
+    /// The index of the bone that the volume is fixed to.
     pub anchor: u32,
     /// The kind of the volume, or `None` to choose the best.
     pub kind: Option<VolumeKind>,
 }
 
 impl Plan {
-    /// Returns the part of every bone: the part that lists it, else the part that lists its closest
-    /// listed ancestor, else the first part.
+    /// Returns for every bone the index of its part: the part that lists the bone, else the part
+    /// that lists its closest listed ancestor, else the first part.
     ///
     /// # Errors
     /// Returns an error if there are no parts or a bone does not exist.

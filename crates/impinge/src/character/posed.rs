@@ -19,7 +19,7 @@ use super::volume::HitVolume;
 use super::volume_pair::{PlacedVolume, core, may_overlap};
 use crate::math::vec3::{Vector, add, dot, length, scale, sub, unit};
 
-/// A character in a pose: its parts are at their bones.
+/// A character in a pose: the volume of each part is at its bone in the world.
 #[derive(Clone, Debug)]
 pub struct Posed<'c> {
     character: &'c Character,
@@ -32,7 +32,7 @@ pub struct Posed<'c> {
     outer: [Vector; 2],
 }
 
-/// A part that was struck.
+/// A part of a character that was struck.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartHit {
     /// Index of the part.
@@ -44,10 +44,11 @@ pub struct PartHit {
     pub t: f64,
     /// The contact point, in the world frame, rounded.
     pub point: [f64; 3],
-    /// Unit normal in the world frame. For a ray it points out of the part. For other queries it
-    /// points from the striking object into the part.
+    /// Unit normal in the world frame, rounded. For a ray it points out of the part. For other
+    /// queries it points from the striking object into the part.
     pub normal: [f64; 3],
-    /// Length of the ray inside the volume, or penetration depth, in world units.
+    /// Depth in world units. For a ray, its length inside the volume, rounded; for a shape, an
+    /// upper bound of the penetration depth; for a mesh, the penetration depth, rounded.
     pub depth: f64,
 }
 
@@ -60,9 +61,9 @@ pub struct PartPair {
     pub part_b: u32,
     /// The contact point, in the world frame, rounded.
     pub point: [f64; 3],
-    /// Unit normal from the first to the second part, in the world frame.
+    /// Unit normal from the first to the second part, in the world frame, rounded.
     pub normal: [f64; 3],
-    /// Penetration depth, in world units.
+    /// Upper bound of the penetration depth, in world units.
     pub depth: f64,
 }
 
@@ -72,7 +73,11 @@ pub struct PartPair {
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 
 impl<'c> Posed<'c> {
-    /// Places a character in a pose of its rig.
+    /// Places a character in a pose of its rig, with the rig's own origin at the origin of the
+    /// world.
+    ///
+    /// # Panics
+    /// If the pose lacks a bone that a part is fixed to.
     #[must_use]
     pub fn new(character: &'c Character, pose: &RigPose) -> Self {
         let mut posed =
@@ -81,7 +86,8 @@ impl<'c> Posed<'c> {
         posed
     }
 
-    /// Moves the character to another pose of its rig and reuses the memory.
+    /// Moves the character to another pose of its rig and reuses the memory. Panics like
+    /// [`new`](Self::new).
     pub fn set(&mut self, pose: &RigPose) {
         self.set_at(pose, [0.0; 3]);
     }
@@ -120,7 +126,8 @@ impl<'c> Posed<'c> {
         self.character
     }
 
-    /// Returns the frame of each part, in the world.
+    /// Returns the rigid frame of each part's bone, in the world. The volume of the part is given
+    /// in it.
     #[must_use]
     pub fn frames(&self) -> &[Frame] {
         &self.frames
@@ -148,8 +155,8 @@ impl<'c> Posed<'c> {
             .map(|((at, part), (frame, sphere))| (at, part, frame, sphere))
     }
 
-    /// Returns the part whose volume a ray enters first, or `None` if it misses all. In a tie the
-    /// part with the lowest index wins.
+    /// Returns the part whose volume a ray, given in the world frame, enters first, or `None` if it
+    /// misses all. In a tie the part with the lowest index wins.
     ///
     /// ```no_run
     /// # fn f(character: &impinge::character::Character, pose: &impinge::character::RigPose) -> Result<(), impinge::InputError> {
@@ -180,8 +187,9 @@ impl<'c> Posed<'c> {
         first.map(|hit| PartHit { t: (hit.t * unit).min(f64::MAX), ..hit })
     }
 
-    /// Returns all parts whose volumes a ray hits, sorted by the parameter where it enters them,
-    /// then by part.
+    /// Returns all parts whose volumes a ray, given in the world frame, hits. They are sorted by
+    /// the parameter where it enters them, then by part. As with [`ray_cast`](Self::ray_cast), no
+    /// volume is missed.
     #[must_use]
     pub fn ray_cast_all(&self, ray: &Ray) -> Vec<PartHit> {
         let (ray, unit) = &ray.of_unit_size();
@@ -254,7 +262,8 @@ impl<'c> Posed<'c> {
         enter > leave
     }
 
-    /// Returns all parts that are not proved apart from a shape, sorted by part.
+    /// Returns all parts that are not proved apart from a shape, which is placed in the world,
+    /// sorted by part.
     ///
     /// # Errors
     /// Returns an error if a part exceeds the range of shapes.
@@ -277,8 +286,9 @@ impl<'c> Posed<'c> {
         Ok(hits)
     }
 
-    /// Calls `visit` with each pair of parts of two characters that is not proved apart, in order,
-    /// without depths. This is the query for broad phases.
+    /// Calls `visit` with each pair of parts of two characters that is not proved apart: the index
+    /// of the part of this character, then of the other, in ascending order. Computes no depths, as
+    /// suits a broad phase.
     ///
     /// # Errors
     /// Returns an error if a part exceeds the range of shapes.
@@ -310,8 +320,8 @@ impl<'c> Posed<'c> {
         Ok(())
     }
 
-    /// Returns all pairs of parts of two characters that are not proved apart, in order, with their
-    /// depths.
+    /// Returns all pairs of parts of two characters that are not proved apart, in ascending order
+    /// of their indices, with their depths. This character is the first.
     ///
     /// # Errors
     /// Returns an error if a part exceeds the range of shapes.
@@ -332,9 +342,9 @@ impl<'c> Posed<'c> {
         Ok(found)
     }
 
-    /// Returns all parts whose volumes, as solids, touch or overlap the surface of a mesh, sorted
-    /// by part. The depth is that of the nearest point of the mesh below the surface of the volume,
-    /// at most the radius of the volume.
+    /// Returns all parts whose volumes, as solids, touch or overlap the surface of a mesh, which is
+    /// placed in the world, sorted by part. The depth is that of the nearest point of the mesh
+    /// below the surface of the volume, at most the radius of the volume.
     ///
     /// # Errors
     /// Returns an error if a part exceeds the range of meshes.

@@ -78,13 +78,13 @@ impl Rig {
         Ok(rig)
     }
 
-    /// Returns the bones.
+    /// Returns the skeleton: the bones.
     #[must_use]
     pub fn skeleton(&self) -> &Skeleton {
         &self.skeleton
     }
 
-    /// Returns the surface.
+    /// Returns the skin: the surface over the bones.
     #[must_use]
     pub fn skin(&self) -> &Skin {
         &self.skin
@@ -96,7 +96,7 @@ impl Rig {
         &self.animations
     }
 
-    /// Returns the pose as modeled.
+    /// Returns the pose as modeled, with every bone and morph weight at rest.
     ///
     /// # Errors
     /// Same as [`pose_at`](Self::pose_at).
@@ -108,7 +108,8 @@ impl Rig {
     }
 
     /// Returns the pose of an animation at a time in seconds. Whatever the animation does not move
-    /// is at rest. A NaN time counts as the start.
+    /// is at rest. Before the first key of a channel its first value holds, after the last key its
+    /// last. A NaN time counts as the start.
     ///
     /// # Errors
     /// Returns an error if the animation does not exist, or if scales multiply beyond 2^100.

@@ -3,7 +3,8 @@
 use super::skeleton::PlacedBone;
 use super::transform::Transform;
 
-/// The positions of the bones of a rig, and the weights of its morph targets.
+/// The positions of the bones of a rig, and the weights of its morph targets. The default value has
+/// no bones; [`Rig::pose_into`](super::Rig::pose_into) fills it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RigPose {
     pub(super) locals: Vec<Transform>,
@@ -12,13 +13,13 @@ pub struct RigPose {
 }
 
 impl RigPose {
-    /// Returns the bones, placed in the world.
+    /// Returns the bones in the world, by index of the bone.
     #[must_use]
     pub fn bones(&self) -> &[PlacedBone] {
         &self.bones
     }
 
-    /// Returns the weights of the morph targets.
+    /// Returns the weights of the morph targets, by index of the target.
     #[must_use]
     pub fn morph_weights(&self) -> &[f64] {
         &self.morph_weights

@@ -14,7 +14,7 @@ use crate::math::vec3::Vector;
 pub struct Bone {
     /// The name. It is empty if the rig has none.
     pub name: String,
-    /// The parent bone, or `None` for a root.
+    /// The index of the parent bone, or `None` for a root.
     pub parent: Option<u32>,
     /// The transform at rest, relative to the parent.
     pub rest: Transform,
@@ -29,7 +29,7 @@ pub struct BoneSet {
     pub(super) is_in: Vec<bool>,
 }
 
-/// Bones with parents and without cycles. There may be several roots.
+/// The bones of a rig, each a root or with a parent, without cycles. There may be several roots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skeleton {
     bones: Vec<Bone>,
@@ -202,8 +202,9 @@ pub struct PlacedBone {
     /// Rows of the map from the bone's own frame to the world, including all scales. The last entry
     /// of each row is that of the origin.
     rows: [[f64; 4]; 3],
-    /// The product of the rotations of the bone and all its ancestors, without scales. With the
-    /// origin it gives the rigid frame that hit volumes are fixed to.
+    /// Quaternion (w, x, y, z) from the bone's frame to the world: the product of the rotations of
+    /// the bone and all its ancestors, without scales. With the origin it gives the rigid frame
+    /// that hit volumes are fixed to.
     pub rotation_wxyz: [f64; 4],
 }
 
@@ -240,7 +241,7 @@ impl PlacedBone {
         self.rows.as_flattened().iter().all(|x| x.abs() <= LIMIT)
     }
 
-    /// Maps a point from the bone's own frame to the world, including all scales.
+    /// Maps a point from the bone's own frame to the world, including all scales, rounded.
     #[must_use]
     pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
         self.rows.map(|[x, y, z, origin]| x * point[0] + y * point[1] + z * point[2] + origin)

@@ -12,25 +12,26 @@ use crate::math::vec3::Vector;
 pub struct Joint {
     /// Index of the bone.
     pub bone: u32,
-    /// Rows of the inverse bind matrix: the linear part, and last the translation.
+    /// Rows of the inverse bind matrix: in each row three entries of the linear part, and last that
+    /// of the translation.
     pub inverse_bind: [[f64; 4]; 3],
 }
 
-/// The share with which a vertex follows a joint.
+/// A joint that moves a vertex, with its skinning weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Influence {
     /// Index of the joint.
     pub joint: u32,
-    /// The share. Those of a vertex sum to one.
+    /// The weight. The weights of a vertex sum to one.
     pub weight: f64,
 }
 
-/// Offsets that are multiplied by a weight and added to vertices before skinning.
+/// A morph target: offsets that are multiplied by a weight and added to vertices before skinning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Morph {
     /// The weight at rest.
     pub weight: f64,
-    /// Vertices and their offsets.
+    /// The index of each vertex that moves, and its offset in the frame of the skin's positions.
     pub offsets: Vec<(u32, [f64; 3])>,
 }
 
@@ -52,7 +53,8 @@ pub struct Skin {
 const WEIGHT_TOLERANCE: f64 = 0.01;
 
 impl Skin {
-    /// Validates a skin. `influences` has one list for each position.
+    /// Validates a skin. `influences` has one list for each position. Influences of weight zero are
+    /// dropped, and the other weights of a vertex are divided by their sum.
     ///
     /// # Errors
     /// Returns an error that names the vertex, joint, face or morph target if a number is not
@@ -122,13 +124,14 @@ impl Skin {
         Ok(())
     }
 
-    /// Returns the vertices before any bone or morph target moves them.
+    /// Returns the vertices before any bone or morph target moves them, in the frame that
+    /// [`Joint::inverse_bind`] maps from.
     #[must_use]
     pub fn positions(&self) -> &[[f64; 3]] {
         &self.positions
     }
 
-    /// Returns the faces.
+    /// Returns the faces, each as three vertex indices.
     #[must_use]
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
@@ -140,7 +143,8 @@ impl Skin {
         &self.joints
     }
 
-    /// Returns the joints that a vertex follows. The weights are positive and sum to one.
+    /// Returns the joints that move a vertex, with their weights, which are positive and sum to
+    /// one.
     ///
     /// # Panics
     /// If the vertex does not exist.
@@ -161,11 +165,14 @@ impl Skin {
         &self.morphs
     }
 
-    /// Computes the positions of all vertices in the world, for a pose of the rig. They replace the
-    /// contents of `vertices`.
+    /// Computes the positions of all vertices in the world, for a pose of the rig, rounded. They
+    /// replace the contents of `vertices`.
     ///
     /// # Complexity
     /// Linear in vertices and influences.
+    ///
+    /// # Panics
+    /// If the pose lacks the bone of a joint.
     pub fn skinned(&self, pose: &RigPose, vertices: &mut Vec<[f64; 3]>) {
         let palette = self.palette(pose.bones());
         self.morphed(pose.morph_weights(), vertices);

@@ -19,7 +19,7 @@ use super::transform::slerp;
 use super::volume::HitVolume;
 use crate::math::vec3::{Vector, add, length, scale, sub, unit};
 
-/// A part that was struck during the motion.
+/// A part that was struck during a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strike {
     /// Index of the part.
@@ -32,10 +32,10 @@ pub struct Strike {
     pub t: f64,
     /// The contact point, in the world frame, rounded.
     pub point: [f64; 3],
-    /// Unit normal from the striking volume into the part, in the world frame.
+    /// Unit normal from the striking volume into the part, in the world frame, rounded.
     pub normal: [f64; 3],
-    /// Penetration depth at that time, in world units. It is 0 unless the volumes overlap from the
-    /// start.
+    /// Upper bound of the penetration depth at that time, in world units. It is 0 unless the
+    /// volumes overlap from the start.
     pub depth: f64,
 }
 
@@ -91,9 +91,10 @@ impl<'v> MovingVolume<'v> {
 }
 
 impl Posed<'_> {
-    /// Returns all parts that a volume strikes while it moves from one pose to another and this
-    /// character moves to `to`. They are sorted by time, then by part. Each frame moves along a
-    /// line and rotates by the smallest angle, both at constant speed.
+    /// Returns all parts that a volume strikes while it moves from one pose in the world to another
+    /// and this character moves to `to`. They are sorted by time, then by part. Each frame moves
+    /// along a line and rotates by the smallest angle, both at constant speed. A part that is not
+    /// proved apart after 512 steps counts as struck.
     ///
     /// ```no_run
     /// # use impinge::{Pose, character::{HitVolume, Posed}, volume::BoundingSphere};

@@ -14,11 +14,11 @@ use super::skin_tree::{Children, MAX_LEAF_VERTICES, SkinPose};
 use super::surface::SurfaceHit;
 use crate::math::vec3::{Vector, dot, length, scale, sub};
 
-/// The skinned surface of a character in one pose, for rays: finds the part that a bullet truly
-/// struck.
+/// Casts rays at the skinned surface of a character in one pose, to find the part that a bullet
+/// truly struck. Rays and hits are in the world frame; hit points are rounded.
 ///
 /// It gives the same answers as [`Surface`](super::Surface) but skins only the faces near a ray. It
-/// needs no animation and no volumes, and holds in any pose of the rig.
+/// needs neither animations nor volumes, and works for any pose of the rig.
 ///
 /// ```no_run
 /// # fn f(rig: &impinge::character::Rig, character: &impinge::character::Character) -> Result<(), Box<dyn std::error::Error>> {
@@ -74,8 +74,8 @@ impl<'c> SurfaceRays<'c> {
         self.spheres.extend(tree.roots().iter().map(|&root| tree.sphere(root, &self.pose)));
     }
 
-    /// Returns the first intersection of a ray with the surface, exactly, or `None` if the ray
-    /// misses it. In a tie the face with the lowest index wins.
+    /// Returns the first intersection of a ray, given in the world frame, with the surface,
+    /// exactly, or `None` if the ray misses it. In a tie the face with the lowest index wins.
     ///
     /// # Accuracy
     /// If the origin is zero, the result has the same bits as that of

@@ -9,7 +9,7 @@ pub(super) type Matrix = [[f64; 3]; 3];
 /// The transform of a bone relative to its parent: scaled, then rotated, then translated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
-    /// Translation in units of the parent.
+    /// Translation in the frame and unit of the parent.
     pub translation: [f64; 3],
     /// Quaternion (w, x, y, z). It need not have length 1; it is normalized.
     pub rotation_wxyz: [f64; 4],

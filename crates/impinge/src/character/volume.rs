@@ -78,8 +78,9 @@ pub struct HitHull {
 }
 
 impl HitHull {
-    /// Builds the hull of some points as a hit volume. A hull without volume is thickened by one
-    /// millionth of its largest coordinate, because the planes of its faces would not bound it.
+    /// Builds the hull of some points as a hit volume, in the frame of the points. A hull without
+    /// volume is thickened by one millionth of its largest coordinate, because the planes of its
+    /// faces would not bound it.
     ///
     /// # Errors
     /// Same as [`Hull::new`].
@@ -111,7 +112,7 @@ impl HitHull {
         &self.planes
     }
 
-    /// Returns the hull.
+    /// Returns the convex hull, in the frame of the volume.
     #[must_use]
     pub fn hull(&self) -> &Arc<Hull> {
         &self.hull
@@ -140,8 +141,8 @@ impl HitVolume {
         }
     }
 
-    /// Returns the surface area, rounded. The number of random rays that hit a convex volume is
-    /// proportional to it.
+    /// Returns the surface area in square units of its frame, rounded. The number of random rays
+    /// that hit a convex volume is proportional to it.
     #[must_use]
     pub fn surface_area(&self) -> f64 {
         match self {
@@ -159,7 +160,7 @@ impl HitVolume {
         }
     }
 
-    /// Returns the size in bytes.
+    /// Returns the size of the volume in memory, in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
         match self {
@@ -171,7 +172,8 @@ impl HitVolume {
         }
     }
 
-    /// Returns the center and radius of a sphere that encloses the volume, up to rounding.
+    /// Returns the center and radius of a sphere that encloses the volume, in the volume's frame,
+    /// up to rounding.
     #[must_use]
     pub fn bounding_sphere(&self) -> ([f64; 3], f64) {
         match self {
@@ -196,8 +198,9 @@ impl HitVolume {
         }
     }
 
-    /// Returns the point of the volume that is farthest along a direction, rounded. The direction
-    /// need not have length 1.
+    /// Returns the point of the volume that is farthest along a direction, both in the volume's
+    /// frame, rounded. The direction need not have length 1. For the zero direction, returns any
+    /// point of the volume.
     #[must_use]
     pub fn support(&self, direction: [f64; 3]) -> [f64; 3] {
         let out = |radius: f64| unit(&direction).map_or([0.0; 3], |direction| scale(&direction, radius));
@@ -219,8 +222,9 @@ impl HitVolume {
         }
     }
 
-    /// Returns the distance from a point to the volume: positive outside, negative inside, up to
-    /// rounding. For points outside a hull it may be less than the distance, but stays positive.
+    /// Returns the distance from a point in the volume's frame to the volume: positive outside,
+    /// negative inside, up to rounding. For points outside a hull it may be less than the distance,
+    /// but stays positive.
     #[must_use]
     pub fn signed_distance(&self, point: [f64; 3]) -> f64 {
         match self {
@@ -268,10 +272,11 @@ impl HitVolume {
         }
     }
 
-    /// Returns the volume as a shape in the world, for everything but rays.
+    /// Returns the volume as a shape in the world, for all queries but rays. The pose maps the
+    /// volume's frame to the world.
     ///
     /// # Errors
-    /// Returns an error if the volume exceeds the range of shapes.
+    /// Returns an error if the volume exceeds the range of shapes, or the error of [`Shape::at`].
     pub fn placed(&self, world_from_local: Pose) -> Result<PlacedShape, InputError> {
         let (shape, world_from_shape) = self.shape_in(world_from_local)?;
         shape.at(world_from_shape)

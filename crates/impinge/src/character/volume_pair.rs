@@ -63,7 +63,8 @@ pub(super) fn may_overlap(a: &PlacedVolume<'_>, b: &PlacedVolume<'_>) -> Result<
     Ok(query::proximity(&placed_a, &placed_b) != Proximity::Apart)
 }
 
-/// Returns the segment that a sphere sweeps, or `None` for other volumes.
+/// Returns the ends of the segment that a sphere or capsule is swept along, or `None` for other
+/// volumes.
 fn segment(volume: &HitVolume) -> Option<[Vector; 2]> {
     match volume {
         HitVolume::Sphere(sphere) => Some([sphere.center(); 2]),
@@ -72,8 +73,8 @@ fn segment(volume: &HitVolume) -> Option<[Vector; 2]> {
     }
 }
 
-/// Returns the core that the volume's sphere sweeps, or the surface of a volume without one, as a
-/// mesh. Points and segments become triangles without area.
+/// Returns as a mesh the core of a sphere-swept volume, or the surface of a box or hull. Points and
+/// segments become triangles without area.
 pub(super) fn core(volume: &HitVolume) -> (Vec<Vector>, Vec<[u32; 3]>) {
     match volume {
         HitVolume::Sphere(sphere) => (vec![sphere.center()], vec![[0; 3]]),

@@ -10,7 +10,8 @@
 //! # Source
 //! Gottschalk, Lin, Manocha, *OBBTree*, SIGGRAPH 1996, for the fifteen axes; McMullen, *On
 //! zonotopes*, Transactions of the AMS 159, 1971, for the proof that they are enough. Ours departs
-//! in affine maps, in an error bound for each direction (docs/notes/proof.md, L33), and in the points.
+//! in affine maps, in an error bound for each direction (docs/notes/proof.md, L33), and in the
+//! points.
 //!
 //! The tests below guard this file, and the benchmark is `shapes` in `impinge-bench`.
 

@@ -15,8 +15,8 @@ use crate::math::vec3::{dot, sub};
 use crate::volume::Proximity;
 
 /// Width of an interval, relative to its upper end, above which exact arithmetic narrows it: 2^-36.
-/// If shapes are well apart, floats give 2^-48. They reach this width at a gap of 2^-12 of the
-/// size.
+/// Floats give a relative width of 2^-48 if the shapes are well apart, and 2^-36 at a gap of 2^-12
+/// of their size.
 const EXACT_DISTANCE_WIDTH: f64 = f64::from_bits((1023 - 36) << 52);
 
 /// Proved bounds on the distance of two shapes, in world units, with the nearest points in the
@@ -99,9 +99,9 @@ impl Coherence {
     }
 }
 
-/// Returns the same as [`nearness`], and starts from `known`, the state of the last query. A large
-/// gap along the last direction decides the query. A small gap is left to the iteration, which
-/// would find it too. So no answer depends on `known`.
+/// Returns the same as [`nearness`], starting from `known`, the state of the last query. A large
+/// gap along the last direction proves the shapes apart. Otherwise the full iteration runs. It
+/// would find a large gap too, so no answer depends on `known`.
 pub(crate) fn nearness_from(a: &Swept<'_>, b: &Swept<'_>, clearance: f64, known: &mut Coherence) -> Proximity {
     /// Minimum gap along the last direction, relative to the sizes, that decides the query: 2^-20.
     const MIN_DECISIVE_GAP: f64 = 1.0 / (1 << 20) as f64;
@@ -225,12 +225,12 @@ fn on_surfaces([p, q]: [[f64; 3]; 2], radius: [f64; 2]) -> [[f64; 3]; 2] {
     }
 }
 
-/// Returns a number below the sum of a few numbers, by more than its rounding error.
+/// Returns a lower bound of the exact sum of a few numbers, given their rounded sum.
 pub(super) fn below(sum: f64) -> f64 {
     sum - sum.abs() * super::gjk::SLACK
 }
 
-/// Returns a number above the sum of a few numbers, by more than its rounding error.
+/// Returns an upper bound of the exact sum of a few numbers, given their rounded sum.
 pub(super) fn above(sum: f64) -> f64 {
     sum + sum.abs() * super::gjk::SLACK
 }

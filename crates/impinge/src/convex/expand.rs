@@ -8,9 +8,9 @@
 //! triangles are removed. Floats choose these triangles and may choose wrong ones.
 //!
 //! The proof needs no more. If all triangles of a closed list have the origin at least ρ > 0 below
-//! their planes, their hull holds the sphere of radius ρ about the origin (docs/notes/proof.md, L29). If
-//! that fails, for sets without volume or an origin on their border, the hulls of `depth` take
-//! over.
+//! their planes, their hull holds the sphere of radius ρ about the origin (docs/notes/proof.md,
+//! L29). If that fails, for sets without volume or an origin on their border, the hulls of `depth`
+//! take over.
 //!
 //! # Source
 //! Van den Bergen, *Proximity queries and penetration depth computation on 3D game objects*, GDC

@@ -25,8 +25,8 @@ impl Facet {
     /// # Accuracy
     /// Let e and f be the edges at one corner a, and `N_k` the sum of the magnitudes of the two
     /// products of component k of the normal n = e × f. Component k is wrong by at most 5 u N_k,
-    /// and n·a by at most 9 u Σ N_k |a_k| (docs/notes/proof.md, L22; u = 2^-53). If that is not small
-    /// relative to |n|, doubled floats and last integers compute both.
+    /// and n·a by at most 9 u Σ N_k |a_k| (docs/notes/proof.md, L22; u = 2^-53). If that is not
+    /// small relative to |n|, doubled floats and last integers compute both.
     pub(super) fn of(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> Option<Self> {
         let (e, f) = (sub(b, a), sub(c, a));
         let (squared_e, squared_f, squared_g) = (dot(&e, &e), dot(&f, &f), dot(&sub(c, b), &sub(c, b)));

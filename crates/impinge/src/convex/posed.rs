@@ -17,8 +17,9 @@ use crate::math::vec3::{dot, length};
 /// A returned coordinate outside [`reach`](Self::reach) is clamped to it, and NaN becomes zero. So
 /// a wrong function gives wrong answers, but never a NaN, a panic or an endless loop.
 pub trait Support: fmt::Debug + Send + Sync {
-    /// Returns a point of the set that is farthest along `direction`. The direction is finite and
-    /// has its greatest entry at ±1, or is zero.
+    /// Returns a point of the set that is farthest along `direction`, both in the set's own frame.
+    /// The direction is finite and has its greatest entry at ±1, or is zero. For zero, any point of
+    /// the set will do.
     ///
     /// # Accuracy
     /// Answers are proved for functions whose point is wrong by at most 2^-50 of
@@ -26,7 +27,8 @@ pub trait Support: fmt::Debug + Send + Sync {
     /// greatest one.
     fn support(&self, direction: [f64; 3]) -> [f64; 3];
 
-    /// Returns an upper bound on the magnitude of the set's coordinates on each axis.
+    /// Returns an upper bound on the magnitude of the set's coordinates on each axis, in the set's
+    /// own frame.
     fn reach(&self) -> [f64; 3];
 }
 

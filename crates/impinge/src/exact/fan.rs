@@ -16,7 +16,7 @@ pub(crate) struct EdgeLine {
 }
 
 /// One half of a face's plane, bounded by the line.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct HalfPlane {
     of_b: bool,
     /// A point of the half plane off the line, in the frame of its mesh.
@@ -56,8 +56,11 @@ impl<'p> Fan<'p> {
                 Positive => front,
                 Negative => back,
             };
-            // Two corners on one side add the same half plane twice, which changes no answer.
-            self.half_planes.push(HalfPlane { of_b, reach, solid_after });
+            // Faces with equal corners add the same half plane again, which changes no answer.
+            let half_plane = HalfPlane { of_b, reach, solid_after };
+            if !self.half_planes.contains(&half_plane) {
+                self.half_planes.push(half_plane);
+            }
         }
     }
 

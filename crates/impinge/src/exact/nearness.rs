@@ -1,10 +1,10 @@
 //! Exact decision whether two triangles are within a distance of each other.
 //!
 //! The squared distance of triangles with rational corners is rational, so it compares exactly to
-//! the square of a float (docs/notes/proof.md, L13). Nothing is divided. Triangles without a common point
-//! are nearest at a corner and an edge, at two edges, or at a corner and a face. For each of these
-//! parts, the side of a foot point and the comparison are signs of polynomials in the corners. All
-//! parts are tried, so it does not matter which is nearest.
+//! the square of a float (docs/notes/proof.md, L13). Nothing is divided. Triangles without a common
+//! point are nearest at a corner and an edge, at two edges, or at a corner and a face. For each of
+//! these parts, the side of a foot point and the comparison are signs of polynomials in the
+//! corners. All parts are tried, so it does not matter which is nearest.
 
 use super::exact_points::Corners;
 use super::placement::{Placement, world_point};
@@ -12,9 +12,9 @@ use super::triangles::triangles_intersect;
 use crate::math::Sign::{Negative, Positive, Zero};
 use crate::math::dyadic::{self, Dyadic};
 
-/// Reports whether triangle `a` of mesh A and triangle `b` of mesh B, placed in the world, have
-/// points no farther apart than `clearance`, in world units. The answer is exact. Returns `false`
-/// if `clearance` is negative or NaN.
+/// Reports whether triangle `a` of mesh A and triangle `b` of mesh B have points no farther apart
+/// than `clearance`, in world units. Each triangle is given in the frame of its mesh. The answer is
+/// exact. Returns `false` if `clearance` is negative or NaN.
 ///
 /// # Complexity
 /// 33 comparisons of integers of about 20 words each, and of 700 words in the worst case.

@@ -4,7 +4,7 @@ use crate::math::dyadic::Dyadic;
 use crate::math::relative::Offset;
 use crate::math::{Pose, RelativeMap};
 
-/// Poses of two meshes, the map from B's frame to A's, and the fastest frame for exact arithmetic.
+/// The poses of two meshes, A and B, with the values that all exact tests of their triangles share.
 #[derive(Clone, Debug)]
 pub struct Placement {
     world_from_a: Pose,
@@ -27,7 +27,8 @@ pub(super) enum Frame {
 }
 
 impl Placement {
-    /// Builds the placement of mesh A at `world_from_a` and mesh B at `world_from_b`.
+    /// Computes the values that all exact tests of triangles of two meshes share: the poses, the
+    /// map from B to A, and the frame of the arithmetic.
     #[must_use]
     pub fn new(world_from_a: &Pose, world_from_b: &Pose) -> Self {
         let relative = RelativeMap::a_from_b(world_from_a, world_from_b);
@@ -35,25 +36,26 @@ impl Placement {
         Self { world_from_a: *world_from_a, world_from_b: *world_from_b, relative, frame }
     }
 
-    /// Returns the map from B's frame to A's, with its error bounds.
+    /// Returns the map from the frame of mesh B to the frame of mesh A, with its error bounds.
     #[must_use]
     pub fn relative(&self) -> &RelativeMap {
         &self.relative
     }
 
-    /// Returns the pose of mesh A.
+    /// Returns the pose of mesh A: the map from its own frame to the world frame.
     #[must_use]
     pub fn world_from_a(&self) -> &Pose {
         &self.world_from_a
     }
 
-    /// Returns the pose of mesh B.
+    /// Returns the pose of mesh B: the map from its own frame to the world frame.
     #[must_use]
     pub fn world_from_b(&self) -> &Pose {
         &self.world_from_b
     }
 
-    /// Reports whether both poses are equal. Answers then follow from the local coordinates alone.
+    /// Reports whether both poses are equal. Answers then follow from the coordinates in the common
+    /// mesh frame alone.
     #[must_use]
     pub fn is_shared(&self) -> bool {
         matches!(self.frame, Frame::Local)

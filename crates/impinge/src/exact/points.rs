@@ -125,8 +125,8 @@ pub(crate) fn orient2d(axis: usize, p: &[f64; 3], q: &[f64; 3], r: &[f64; 3]) ->
     let forward = (q[i] - p[i]) * (r[j] - p[j]);
     let backward = (q[j] - p[j]) * (r[i] - p[i]);
     let determinant = forward - backward;
-    // Two differences, the product and the last difference: slightly more than 4 units of the
-    // magnitudes.
+    // Two differences, the product and the last difference are rounded. They add up to slightly
+    // more than 4 units of the magnitudes.
     let error = 5.0 * UNIT_ROUNDOFF * (forward.abs() + backward.abs()) + UNDERFLOW;
     if determinant > error {
         Positive
@@ -150,7 +150,7 @@ pub(crate) fn compare_along(direction: &[f64; 3], p: &[f64; 3], q: &[f64; 3]) ->
     let difference = sub(p, q);
     let terms: [f64; 3] = std::array::from_fn(|k| direction[k] * difference[k]);
     let value = terms[0] + terms[1] + terms[2];
-    // The difference, the product and two sums: slightly more than 4 units of the magnitudes.
+    // The difference, the product and two sums are rounded: slightly more than 4 units in all.
     let error = 5.0 * UNIT_ROUNDOFF * (terms[0].abs() + terms[1].abs() + terms[2].abs()) + UNDERFLOW;
     if value > error {
         Positive
@@ -226,8 +226,7 @@ fn rounded_down(row: &[f64; 3], translation: f64, point: &[f64; 3]) -> Option<f6
     }
     let rest: f64 = small.iter().sum();
     let magnitude: f64 = small.iter().map(|x| x.abs()).sum();
-    // Five sums of six terms. Their rounding is relative because sums do not underflow; the product
-    // may.
+    // Five sums are rounded. Their error is relative, as sums do not underflow; the product may.
     let error = if magnitude == 0.0 { 0.0 } else { 6.0 * UNIT_ROUNDOFF * magnitude + UNDERFLOW };
     // The exact value is high + low, up to the error. High is the float nearest to high + low. So
     // an error far below high's last unit leaves the value between high and its neighbor on the

@@ -3,8 +3,8 @@
 //! Both planes are perpendicular to one direction, from A to B. All points of A lie behind the
 //! plane of A, and all points of B lie in front of the plane of B. So the sets are at least as far
 //! apart as the planes. The distance of the planes is evaluated in world units, in double-double
-//! numbers with an error bound, so a proof is exact (docs/notes/proof.md, L13a). A gap that exceeds the
-//! distance by less than the bound proves nothing. Two triangles take about 1 microsecond; the
+//! numbers with an error bound, so a proof is exact (docs/notes/proof.md, L13a). A gap that exceeds
+//! the distance by less than the bound proves nothing. Two triangles take about 1 microsecond; the
 //! exact comparison takes about 10.
 //!
 //! Source: the support planes of Gilbert, Johnson, Keerthi, *A fast procedure for computing the
@@ -82,7 +82,8 @@ impl Supports {
     /// Returns an interval that holds the distance of A and B, in world units, a few units of the
     /// last place wide. Returns `None` unless it proves that no two points of A and B are nearer
     /// than two given points, to within the tolerance [`EQUAL_DISTANCES`]. Each given point lies on
-    /// one of the triangles `corners`; `shares` are its weights of the second and the third corner.
+    /// one of the triangles `corners`; `shares` are its barycentric coordinates for the second and
+    /// the third corner.
     pub(crate) fn distance(
         &self,
         placement: &Placement,
@@ -116,8 +117,9 @@ impl Supports {
     }
 }
 
-/// Returns the squared distance of two points of triangles, in world units. Returns `None` if a
-/// share is negative or their sum is above 1.
+/// Returns the squared distance of two points of triangles, in world units. `shares` are their
+/// barycentric coordinates for the second and the third corner. Returns `None` if one is negative
+/// or their sum is above 1.
 fn squared_distance(placement: &Placement, corners: [&Corners; 2], shares: [[f64; 2]; 2]) -> Option<DoubleDouble> {
     let poses = [placement.world_from_a(), placement.world_from_b()];
     let point = |side: usize| {
@@ -154,7 +156,7 @@ fn reach(
         extents = [0, 1, 2].map(|k| extents[k].max(point[k].abs()));
     }
     let surely_less = farthest - 16.0 * f64::EPSILON * size;
-    // Points of a plane across an axis have one product, up to the errors of the zeros of the
+    // Points of an axis-aligned plane have one product, up to the errors of the zeros of the
     // gradient.
     let off_zero = gradient.each_ref().map(DoubleDouble::off_zero);
     let left_out: f64 = (0..3).filter_map(|k| Some(off_zero[k]? * extents[k])).sum();

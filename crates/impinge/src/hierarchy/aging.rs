@@ -51,8 +51,8 @@ impl WideTree {
         costs
     }
 
-    /// Returns the cost of the root alone. The areas are summed in the order in which a refit
-    /// visits the nodes.
+    /// Returns the cost of the whole tree, as [`subtree_costs`](Self::subtree_costs) defines it.
+    /// The areas are summed in the order in which a refit visits the nodes.
     pub(crate) fn cost(&self, leaves: usize) -> f64 {
         let (nodes, patches) = (self.nodes(), Patches::of(self, leaves));
         let of_patch = |patch: &Patch| nodes[patch.nodes.clone()].iter().rev().map(Node::area_below).sum();
@@ -60,8 +60,8 @@ impl WideTree {
         patches.cost(nodes, &of_patches)
     }
 
-    /// Returns the smallest subtrees to rebuild, in preorder. If they return to their cost when
-    /// built, `as_built`, no subtree costs more than `most` times its cost when built.
+    /// Returns the smallest subtrees to rebuild, in preorder. Once each has its original cost again
+    /// (`as_built`), no subtree costs more than `most` times its original cost.
     pub(crate) fn aged_subtrees(&self, as_built: &[f64], most: f64) -> Vec<Aged> {
         let nodes = self.nodes();
         let mut below = vec![0.0; nodes.len()];
@@ -203,7 +203,8 @@ impl Node {
     }
 }
 
-/// Returns the sum over the children of a node: `inner` of a node, and the area of a leaf's box.
+/// Returns the sum over the children of a node: `inner(child)` for an inner node, half the surface
+/// area of the box for a leaf.
 fn sum_below(node: &Node, inner: impl Fn(u32) -> f64) -> f64 {
     let lanes: Range<usize> = 0..node.count();
     lanes

@@ -14,17 +14,18 @@ pub const LEAF_CAPACITY: usize = LANES;
 /// pairs leaves with leaves.
 pub const NODE_OF_LEAVES: usize = LANES * LEAF_CAPACITY;
 
-/// Maximum depth of a leaf, for any boxes. It determines the size of a descent's stack.
+/// Maximum depth of a leaf in a [`BinaryTree`], in steps from the root, for any boxes. It
+/// determines the size of a descent's stack.
 pub const MAX_DEPTH: usize = 64;
 
 /// A node of a [`BinaryTree`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BinaryNode<B = Aabb> {
-    /// Encloses every box below.
+    /// Bounds of all boxes below the node.
     pub bounds: B,
-    /// Start of the range of [`BinaryTree::order`] that is below.
+    /// Start of the range of [`BinaryTree::order`] that has the boxes below the node.
     pub first: u32,
-    /// Number of boxes below; at most [`LEAF_CAPACITY`] in a leaf.
+    /// Number of boxes below the node; at most [`LEAF_CAPACITY`] in a leaf.
     pub count: u32,
     /// Offset from this node to its right child, or `None` for a leaf. The left child is the next
     /// node.
@@ -37,7 +38,7 @@ pub struct BinaryNode<B = Aabb> {
 pub struct BinaryTree<B = Aabb> {
     /// The nodes in preorder: the root is first, and a left child follows its parent.
     pub nodes: Vec<BinaryNode<B>>,
-    /// The indices of the boxes, grouped so that each leaf is a range.
+    /// The indices of the boxes, ordered so that the boxes below each node are a range.
     pub order: Buffer<u32>,
 }
 

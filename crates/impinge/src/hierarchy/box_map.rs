@@ -37,8 +37,8 @@ impl BoxMap {
     /// - 5 u of the error itself, which these sums contain.
     ///
     /// The slack is 20 u S and (1 + 8 u) times the error. This covers its own evaluation and, by
-    /// `UNDERFLOW`, products too small for a float. It is lemma L2 of docs/notes/proof.md with one bound
-    /// for all boxes.
+    /// `UNDERFLOW`, products too small for a float. It is lemma L2 of docs/notes/proof.md with one
+    /// bound for all boxes.
     pub(crate) fn new(linear: &[[f64; 3]; 3], translation: &[f64; 3], error: &[f64; 3], reach: f64) -> Self {
         const UNDERFLOW: f64 = 1.0 / (1_u128 << 120) as f64;
         let slack = std::array::from_fn(|axis| {

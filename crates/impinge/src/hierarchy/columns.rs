@@ -17,7 +17,7 @@ pub(super) use layout::{MAX_PLANES, MAX_ROWS, Run};
 use layout::{MAX_TOGETHER, NUMBER, ROOM, SIXTEEN, WIDTH};
 use parting::{Cut, Parting};
 
-/// A coordinate above all others. It marks places without a row.
+/// A coordinate above all others. It marks slots without a row.
 const BEYOND: i16 = i16::MAX;
 
 /// Maximum coordinate of a row.
@@ -166,7 +166,7 @@ impl Columns {
     }
 
     /// Returns the rank of each row along the longest axis of their box. Rows with the same
-    /// coordinate are ranked by their place. Places without a row get the number of rows.
+    /// coordinate are ranked by their slot. Slots without a row get the number of rows.
     #[inline(always)]
     fn ranks<const SIXTEENS: usize, S: Simd>(&mut self, simd: S, run: Run) -> [i16x16<S>; SIXTEENS] {
         const PLACES: [i16; MAX_RANKED] = {
@@ -212,7 +212,7 @@ impl Columns {
     }
 
     /// Returns the axis along which rows spread most, and their minimum and maximum there. Fills
-    /// the places behind the rows with [`BEYOND`], up to a multiple of `TOGETHER`.
+    /// the slots behind the rows with [`BEYOND`], up to a multiple of `TOGETHER`.
     #[inline(always)]
     fn widest<const TOGETHER: usize, S: Simd>(&mut self, simd: S, run: Run) -> (usize, [i16; 2]) {
         let mut widest = (0, [0, -1]);

@@ -75,9 +75,9 @@ pub struct TreeStatistics {
     /// Overlap of siblings: the areas that pairs of children have in common, summed over all inner
     /// nodes and divided by the sum of the areas of the inner nodes. Zero if no children overlap.
     pub overlap: f64,
-    /// Share of the places for children that inner nodes use, from 0 to 1.
+    /// Fraction of the slots for children that inner nodes use, from 0 to 1.
     pub node_fill: f64,
-    /// Share of the places for boxes that leaves use, from 0 to 1.
+    /// Fraction of the slots for boxes that leaves use, from 0 to 1.
     pub leaf_fill: f64,
     /// Size of the nodes in bytes.
     pub bytes: usize,
@@ -141,8 +141,8 @@ impl WideTree {
     }
 
     /// Returns the boxes at a level: the root's own at level 0, its children's at level 1, and so
-    /// on. A leaf above the level stands for its missing descendants. Returns no boxes if the tree
-    /// is empty.
+    /// on. They are in the frame of the tree's boxes. A leaf above the level stands for its missing
+    /// descendants. Returns no boxes if the tree is empty.
     #[must_use]
     pub fn level(&self, level: usize) -> Vec<Aabb> {
         let mut found = Vec::new();

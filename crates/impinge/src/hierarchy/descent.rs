@@ -24,8 +24,8 @@ use crate::volume::Aabb;
 
 /// The processing of leaf pairs, which the hierarchy leaves to its caller.
 pub(crate) trait LeafVisitor {
-    /// Queues the leaves in `lanes` of a host node against a guest leaf, except those whose boxes
-    /// are apart from its content. At most [`APPROACHES_PER_BATCH`] calls precede a [`meet`](Self::meet).
+    /// Queues the leaves in `lanes` of a host node against a guest leaf, except leaves whose boxes
+    /// are apart from it. At most [`APPROACHES_PER_BATCH`] calls precede a [`Self::process`].
     fn approach<S: Simd>(&mut self, simd: S, guest_leaf: u32, host: &Node, lanes: u32);
 
     /// Processes the leaf pairs that have been queued long enough.
@@ -44,7 +44,7 @@ pub(crate) trait LeafVisitor {
     fn prefetch_guest(&self, leaf: u32);
 }
 
-/// The leaf of a pair of a leaf and a much smaller node.
+/// A leaf that is compared with a much smaller node of the other tree.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Large {
     Guest(u32),
@@ -112,9 +112,9 @@ struct RunState {
 /// The order in which tasks are opened, and the limit on their number.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Order {
-    /// Opens the last task first. `ahead` tasks are popped early, to prefetch their nodes.
+    /// Opens the last task first, and at most `most` tasks.
     DepthFirst {
-        /// 1 finds the first pair fastest, [`QUEUE`] all pairs. Opens at most `most` tasks.
+        /// Number of tasks popped early for prefetching: best 1 for one pair, [`QUEUE`] for all.
         ahead: usize,
         most: usize,
     },

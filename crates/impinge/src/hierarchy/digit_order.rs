@@ -180,7 +180,7 @@ impl DigitOrder {
     }
 }
 
-/// Writes one of eight centers at the next place of its digit.
+/// Writes one of eight centers at the next slot of its digit.
 #[inline(always)]
 fn put<S: Simd>(place: &mut IterMut<'_, Center>, eight: &Eight<S>, lane: usize) {
     if let Some(center) = place.next() {

@@ -30,8 +30,8 @@ const HALVE_FROM_DEPTH: usize = 27;
 /// Maximum number of boxes of a task if there is more than one thread.
 const MAX_TASK: usize = 1 << 15;
 
-/// Builds the tree of these boxes; no box may be empty. The tree is the same for any number of
-/// threads.
+/// Builds the tree of these boxes by splitting them along a Morton curve; no box may be empty.
+/// Returns an empty tree for no boxes. The tree is the same for any number of threads.
 ///
 /// # Complexity
 /// O(n log n), depth at most [`MAX_DEPTH`](super::MAX_DEPTH) for any input: equal, nested or sorted

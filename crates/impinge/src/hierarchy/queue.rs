@@ -12,7 +12,7 @@ pub(super) struct Queue<T, const ROOM: usize> {
 }
 
 impl<T: Copy, const ROOM: usize> Queue<T, ROOM> {
-    /// Returns an empty queue. `filler` fills the unused places and is never returned.
+    /// Returns an empty queue. `filler` fills the unused slots and is never returned.
     pub(super) fn new(filler: T) -> Self {
         Self { items: [filler; ROOM], next: 0, len: 0 }
     }
@@ -38,7 +38,7 @@ impl<T: Copy, const ROOM: usize> Queue<T, ROOM> {
         self.len += count.min(4);
     }
 
-    /// Returns the item that `before` items precede, or `None` if there are not so many.
+    /// Returns the item that `before` items precede, or `None` if there is no such item.
     #[inline(always)]
     pub(super) fn get(&self, before: usize) -> Option<T> {
         (self.len > before).then(|| self.items[(self.next + before) % ROOM])

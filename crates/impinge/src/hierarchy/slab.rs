@@ -5,8 +5,8 @@
 //! Source: Kay, Kajiya, *Ray tracing complex scenes*, SIGGRAPH 1986 (Ericson, 4.4.6 and 4.6). Ours
 //! has one slab per node, in a direction of the node's own.
 
-/// The points x with `min ≤ normal · x ≤ max`. The normal is used exactly as stored and may have
-/// any length.
+/// The points x with `min ≤ normal · x ≤ max`, in the frame of the boxes of its tree. The normal is
+/// used exactly as stored and may have any length.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C)]
 pub struct Slab {

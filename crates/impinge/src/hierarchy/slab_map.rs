@@ -73,8 +73,8 @@ impl SlabMap {
     ///
     /// # Accuracy
     /// With S = (Σ|carried| + |share| Σ|own|)·reach, the two roundings of the normal take 2 u S,
-    /// the bounds 5 u S, and the heights of a box and their comparison 10 u S (docs/notes/proof.md, L2a).
-    /// The slack is 32 u S.
+    /// the bounds 5 u S, and the heights of a box and their comparison 10 u S (docs/notes/proof.md,
+    /// L2a). The slack is 32 u S.
     #[inline(always)]
     pub(crate) fn difference(&self, carried: &Slab, own: &Slab) -> Option<Slab> {
         let (n, m) = (&carried.normal, &own.normal);

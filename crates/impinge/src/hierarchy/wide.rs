@@ -38,9 +38,11 @@ pub(super) const LEAF_BIT: u32 = 1 << 31;
 #[derive(Clone, Copy, Debug, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C, align(64))]
 pub struct Node {
-    /// `min[axis][lane]`: the minimum coordinate of the child's box.
+    /// `min[axis][lane]`: the minimum coordinate of the child's box, in the frame of the tree's
+    /// boxes.
     pub min: [[f32; LANES]; 3],
-    /// `max[axis][lane]`: the maximum coordinate of the child's box.
+    /// `max[axis][lane]`: the maximum coordinate of the child's box, in the frame of the tree's
+    /// boxes.
     pub max: [[f32; LANES]; 3],
     pub(super) references: [u32; LANES],
     /// A slab that contains all items below the node.

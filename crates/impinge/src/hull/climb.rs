@@ -26,8 +26,8 @@ use crate::math::vec3::dot;
 const MIN_SCAN_BUDGET: usize = 128;
 
 impl Hull {
-    /// Returns the same vertex as [`support`](Self::support), found by climbing from a vertex that
-    /// is probably near. The answer does not depend on `start`.
+    /// Returns the same vertex number as [`support`](Self::support), found by climbing from vertex
+    /// `start`. The answer does not depend on `start`; a start near the answer is faster.
     ///
     /// ```
     /// # use impinge::hull::Hull;
@@ -39,7 +39,7 @@ impl Hull {
     /// ```
     ///
     /// # Panics
-    /// If there is no vertex `start`.
+    /// If the hull has no vertex `start`.
     ///
     /// # Complexity
     /// One step per vertex on the path from the start to the farthest vertex; each step visits all

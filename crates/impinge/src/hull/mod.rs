@@ -4,8 +4,8 @@
 //! Every decision is exact, so a hull exists for every set of points: flat, straight, cospherical
 //! or all in one place.
 //!
-//! The proof is docs/notes/proof.md, L10. The tests are in `tests/it/hull`, and the benchmark is `hulls`
-//! in `impinge-bench`.
+//! The proof is docs/notes/proof.md, L10. The tests are in `tests/it/hull`, and the benchmark is
+//! `hulls` in `impinge-bench`.
 
 mod build;
 mod climb;
@@ -62,8 +62,8 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 ///
 /// # Complexity
 /// Expected O(n log n) for points in general position, in any order. There is no proof for many
-/// points in one plane; docs/notes/realigning.md has measurements of lattices and prisms. No input takes
-/// more than O(n² log n).
+/// points in one plane; docs/notes/realigning.md has measurements of lattices and prisms. No input
+/// takes more than O(n² log n).
 ///
 /// # Source
 /// See `build` for the insertion, `order` for its order, `cull` for the points culled before it,
@@ -134,13 +134,13 @@ impl Hull {
         self.kind
     }
 
-    /// Returns the number of each vertex among the given points, in ascending order.
+    /// Returns for each vertex its index in the given points, in ascending order.
     #[must_use]
     pub fn vertices(&self) -> &[u32] {
         &self.vertices
     }
 
-    /// Returns the positions of the vertices.
+    /// Returns the positions of the vertices, in the frame of the given points, without rounding.
     #[must_use]
     pub fn positions(&self) -> &[[f64; 3]] {
         &self.positions
@@ -158,8 +158,8 @@ impl Hull {
         &self.faces
     }
 
-    /// Returns the vertices at the other ends of the hull's edges at a vertex, in ascending order.
-    /// The inner edges of a fan are not edges of the hull.
+    /// Returns the numbers of the vertices that edges of the hull connect to a vertex, in ascending
+    /// order. The inner edges of a fan are not edges of the hull.
     ///
     /// # Panics
     /// If the hull has no such vertex.
@@ -170,8 +170,8 @@ impl Hull {
         &self.neighbors[self.first[at] as usize..self.first[at + 1] as usize]
     }
 
-    /// Reports whether a point is inside the hull or on its boundary. Returns `false` if the point
-    /// is not finite.
+    /// Reports whether a point, in the frame of the given points, is inside the hull or on its
+    /// boundary. Returns `false` if the point is not finite.
     ///
     /// # Accuracy
     /// Exact, for coordinates below 2^128 in magnitude.
@@ -205,8 +205,8 @@ impl Hull {
         }
     }
 
-    /// Returns the vertex that is farthest along a direction. Of equally far vertices, returns the
-    /// least number.
+    /// Returns the number of the vertex that is farthest along a direction, given in the frame of
+    /// the points. Of equally far vertices, returns the least number.
     ///
     /// The direction may have any length. Its entries that are not finite count as zero. Along the
     /// zero direction all vertices are equally far.
@@ -222,7 +222,7 @@ impl Hull {
         self.extremes.along(&self.positions, &usable(direction))
     }
 
-    /// Returns the memory that the hull holds, in bytes.
+    /// Returns the size of the hull in memory, in bytes.
     #[must_use]
     pub fn memory(&self) -> usize {
         size_of_val(&self.vertices[..])

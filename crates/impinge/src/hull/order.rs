@@ -43,7 +43,7 @@ pub(super) fn insertion_order(points: &[([f64; 3], u32)]) -> Vec<u32> {
     keyed.into_iter().map(|(_, _, position)| position).collect()
 }
 
-/// The finalizer of splitmix64 (Steele, Lea and Flood 2014), after adding its constant.
+/// Returns the finalizer of splitmix64 (Steele, Lea and Flood 2014) of `x` plus its constant.
 fn mix(x: u64) -> u64 {
     let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

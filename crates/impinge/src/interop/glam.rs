@@ -20,6 +20,8 @@ use crate::mesh::Positions;
 impl TryFrom<DAffine3> for Pose {
     type Error = InputError;
 
+    /// Builds the pose of an affine map. Its entries keep their values.
+    ///
     /// # Errors
     /// As [`Pose::new`].
     fn try_from(affine: DAffine3) -> Result<Self, InputError> {
@@ -30,6 +32,8 @@ impl TryFrom<DAffine3> for Pose {
 impl TryFrom<Affine3A> for Pose {
     type Error = InputError;
 
+    /// Builds the pose of an affine map. Its entries keep their values.
+    ///
     /// # Errors
     /// As [`Pose::new`].
     fn try_from(affine: Affine3A) -> Result<Self, InputError> {
@@ -41,6 +45,8 @@ impl TryFrom<Affine3A> for Pose {
 impl TryFrom<DMat4> for Pose {
     type Error = InputError;
 
+    /// Builds the pose of a matrix. Its entries keep their values.
+    ///
     /// # Errors
     /// As [`Pose::from_matrix`].
     fn try_from(matrix: DMat4) -> Result<Self, InputError> {
@@ -51,6 +57,8 @@ impl TryFrom<DMat4> for Pose {
 impl TryFrom<Mat4> for Pose {
     type Error = InputError;
 
+    /// Builds the pose of a matrix. Its entries keep their values.
+    ///
     /// # Errors
     /// As [`Pose::from_matrix`].
     fn try_from(matrix: Mat4) -> Result<Self, InputError> {

@@ -20,6 +20,8 @@ use crate::mesh::Positions;
 impl TryFrom<Matrix4<f64>> for Pose {
     type Error = InputError;
 
+    /// Builds the pose of a matrix. Its entries keep their values.
+    ///
     /// # Errors
     /// As [`Pose::from_matrix`].
     fn try_from(matrix: Matrix4<f64>) -> Result<Self, InputError> {
@@ -30,6 +32,8 @@ impl TryFrom<Matrix4<f64>> for Pose {
 impl TryFrom<Matrix4<f32>> for Pose {
     type Error = InputError;
 
+    /// Builds the pose of a matrix. Its entries keep their values.
+    ///
     /// # Errors
     /// As [`Pose::from_matrix`].
     fn try_from(matrix: Matrix4<f32>) -> Result<Self, InputError> {
@@ -40,6 +44,8 @@ impl TryFrom<Matrix4<f32>> for Pose {
 impl TryFrom<Affine3<f64>> for Pose {
     type Error = InputError;
 
+    /// Builds the pose of a matrix. Its entries keep their values.
+    ///
     /// # Errors
     /// As [`Pose::from_matrix`].
     fn try_from(affine: Affine3<f64>) -> Result<Self, InputError> {
@@ -50,7 +56,7 @@ impl TryFrom<Affine3<f64>> for Pose {
 impl TryFrom<Similarity3<f64>> for Pose {
     type Error = InputError;
 
-    /// Rounds as `Similarity3::to_homogeneous` does.
+    /// Builds the pose of a similarity. It rounds as `Similarity3::to_homogeneous` does.
     ///
     /// # Errors
     /// As [`Pose::from_matrix`].
@@ -62,7 +68,7 @@ impl TryFrom<Similarity3<f64>> for Pose {
 impl TryFrom<Isometry3<f64>> for Pose {
     type Error = InputError;
 
-    /// Rounds as [`Pose::from_quaternion_wxyz`] does.
+    /// Builds the pose of a rigid motion. It rounds as [`Pose::from_quaternion_wxyz`] does.
     ///
     /// # Errors
     /// As [`Pose::from_quaternion_wxyz`].
@@ -76,7 +82,7 @@ impl TryFrom<Isometry3<f64>> for Pose {
 impl TryFrom<Isometry3<f32>> for Pose {
     type Error = InputError;
 
-    /// Rounds as [`Pose::from_quaternion_wxyz`] does.
+    /// Builds the pose of a rigid motion. It rounds as [`Pose::from_quaternion_wxyz`] does.
     ///
     /// # Errors
     /// As [`Pose::from_quaternion_wxyz`].

@@ -18,7 +18,8 @@ const TRANSLATION_LIMIT: f64 = f64::from_bits((1023 + 300) << 52);
 /// digits per entry passes. One that was never normalized, or an angle in its place, does not.
 const QUATERNION_TOLERANCE: f64 = 1e-3;
 
-/// The affine map `x = linear · v + translation`. Its entries are the exact values of the floats.
+/// The affine map `x = linear · v + translation` from one frame to another, such as from a mesh
+/// frame to the world frame. Its entries are the exact values of the floats.
 ///
 /// Every invertible map within the stated range is a valid pose, shears and mirrors included. The
 /// matrix is never made orthonormal. Two poses are equal if all their entries are; zeros of either
@@ -31,7 +32,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The map that moves nothing.
+    /// The pose that moves nothing: both frames are the same.
     pub const IDENTITY: Self =
         Self { linear: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3], mirrors: false };
 
@@ -142,13 +143,14 @@ impl Pose {
         Self::new(rotation([cosine, x * scale, y * scale, z * scale]), translation)
     }
 
-    /// Returns the linear part, in rows. It multiplies column vectors from the left.
+    /// Returns the linear part: the rows of a 3x3 matrix that multiplies column vectors from the
+    /// left.
     #[must_use]
     pub fn linear(&self) -> &[[f64; 3]; 3] {
         &self.linear
     }
 
-    /// Returns the translation, in world units.
+    /// Returns the translation, in world units: the image of the origin of the local frame.
     #[must_use]
     pub fn translation(&self) -> &[f64; 3] {
         &self.translation
@@ -164,8 +166,8 @@ impl Pose {
     /// `world_from_b = world_from_a.compose(a_from_b)`.
     ///
     /// # Accuracy
-    /// Every entry is rounded. Its error is within 4.1 units of 2^-53 of the sum of the magnitudes
-    /// of its terms.
+    /// Every entry is rounded. Its error is at most 4.1 * 2^-53 times the sum of the magnitudes of
+    /// its terms, underflow aside.
     ///
     /// # Errors
     /// As [`new`](Self::new), if the product is out of range, or singular after rounding.
@@ -208,11 +210,11 @@ impl Pose {
         Self::new(linear, translation)
     }
 
-    /// Maps a point of the local frame to the world, rounded.
+    /// Maps a point of the local frame to the world frame. The result is rounded.
     ///
     /// # Accuracy
-    /// Each coordinate is within 4.1 units of 2^-53 of `Σ |linear_ij v_j| + |translation_i|`,
-    /// underflow aside. The exact predicates do not use this function.
+    /// The error of coordinate i is at most 4.1 * 2^-53 times `Σ |linear_ij v_j| +
+    /// |translation_i|`, underflow aside. The exact predicates do not use this function.
     #[inline]
     #[must_use]
     pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {

@@ -52,13 +52,14 @@ const INVERSE_LIMIT: f64 = (1_u128 << 64) as f64;
 /// infinite error. `∞ · 0` is NaN, so a consumer must treat NaN as "unknown".
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelativeMap {
-    /// The linear part, in rows.
+    /// The linear part: the rows of a 3x3 matrix that multiplies points of B's frame from the left.
     pub linear: [[f64; 3]; 3],
     /// The translation, in A's units.
     pub translation: [f64; 3],
-    /// Error bounds of the entries of [`linear`](Self::linear).
+    /// Bounds on the absolute errors of the entries of [`linear`](Self::linear).
     pub linear_error: [[f64; 3]; 3],
-    /// Error bounds of the entries of [`translation`](Self::translation).
+    /// Bounds on the absolute errors of the entries of [`translation`](Self::translation), in A's
+    /// units.
     pub translation_error: [f64; 3],
 }
 

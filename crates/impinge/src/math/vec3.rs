@@ -19,13 +19,13 @@ pub(crate) fn scale(a: &Vector, factor: f64) -> Vector {
     [a[0] * factor, a[1] * factor, a[2] * factor]
 }
 
-/// Returns the inner product, within 3.1 units of 2^-53 of the product of the lengths.
+/// Returns the inner product. Its error is at most 3.1 * 2^-53 times the product of the lengths.
 #[inline(always)]
 pub(crate) fn dot(a: &Vector, b: &Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Returns the cross product. Each component is within 2.1 units of 2^-53 of the sum of the
+/// Returns the cross product. The error of a component is at most 2.1 * 2^-53 times the sum of the
 /// magnitudes of its two products.
 #[inline(always)]
 pub(crate) fn cross(a: &Vector, b: &Vector) -> Vector {

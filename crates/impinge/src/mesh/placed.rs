@@ -10,13 +10,13 @@ pub struct PlacedMesh<'a> {
     pub mesh: &'a Mesh,
     /// Maps the mesh frame to the world frame.
     pub world_from_mesh: Pose,
-    /// Whether the mesh is a solid: its surface and all points whose winding number is above one
-    /// half.
+    /// Whether the mesh is a solid: its surface and all points whose winding number is above 1/2 or
+    /// below -1/2.
     pub is_solid: bool,
 }
 
-/// A mesh taken as a solid: its surface and all points whose winding number is above one half. See
-/// [`Mesh::solid`].
+/// A mesh taken as a solid: its surface and all points whose winding number is above 1/2 or below
+/// -1/2. See [`Mesh::solid`].
 #[derive(Clone, Copy, Debug)]
 pub struct SolidMesh<'a>(pub(crate) &'a Mesh);
 

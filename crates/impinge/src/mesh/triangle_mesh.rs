@@ -73,7 +73,8 @@ pub(super) struct Derived {
 }
 
 impl Mesh {
-    /// Returns the vertex positions, in the mesh frame.
+    /// Returns the vertex positions, in the mesh frame. A [borrowed](Self::borrow) mesh copies them
+    /// at the first call.
     #[inline]
     #[must_use]
     pub fn positions(&self) -> &Positions {
@@ -87,7 +88,7 @@ impl Mesh {
         &self.0.faces
     }
 
-    /// Returns the corners of a face, in the mesh frame.
+    /// Returns the corners of a face, in the mesh frame and exact.
     ///
     /// # Panics
     /// If `face` is not below the number of faces.
@@ -100,8 +101,8 @@ impl Mesh {
     /// Returns how the faces are connected, computed at the first call.
     pub(crate) fn topology(&self) -> &Topology {
         let slot = &self.0.derived.topology;
-        // Computed before the slot is locked. A thread that waits for the parallel sort may run
-        // another task that needs the slot, which would be a deadlock.
+        // No lock is held during the computation. A thread that waits in the parallel sort may
+        // start another task that needs this slot, and would deadlock.
         if slot.get().is_none() {
             let _ = slot.set(Topology::of(self.positions(), &self.0.faces));
         }

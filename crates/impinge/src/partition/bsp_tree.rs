@@ -26,8 +26,8 @@ const ACROSS_COST: usize = 2;
 /// Maximum depth of a node, in splits from the root.
 const MAX_DEPTH: usize = 48;
 
-/// A BSP tree over boxes that do not move, such as rooms. Its planes pass between the boxes if
-/// possible.
+/// A BSP tree over boxes that do not move, such as rooms. Its planes are axis-aligned, and pass
+/// between the boxes if possible.
 ///
 /// # Complexity
 /// Building takes O(n log n) for boxes that planes can separate. A query takes O(depth + boxes near

@@ -20,8 +20,9 @@ pub type Visitor<'v> = dyn FnMut(u32) -> ControlFlow<()> + 'v;
 /// How a kind of partition divides space, and so in which cells a box is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cells {
-    /// Disjoint cells: no two cells share an inner point. A box is stored in every cell that it
-    /// reaches into, in the smallest cell that contains it, or at the plane that it crosses.
+    /// Disjoint cells: no two cells of one level share an inner point. A box is stored in every
+    /// cell that it reaches into, in the smallest cell that contains it, or at the plane that it
+    /// crosses.
     Disjoint,
     /// Loose cells, which are enlarged until each box fits into one cell. Neighboring cells overlap
     /// by the enlargement.
@@ -41,7 +42,8 @@ pub struct Work {
     pub boxes: u64,
 }
 
-/// A set of boxes under keys, which can be searched by position.
+/// A set of boxes under keys, which can be searched by position. All boxes, points and rays are in
+/// one frame and unit, which the caller chooses.
 ///
 /// Results come in no particular order unless a method says otherwise, but the same calls return
 /// them in the same order.
@@ -76,16 +78,18 @@ pub trait Partition: Holds {
     }
 
     /// Visits each box that overlaps `bounds`, once, and adds the work done to `work`. The overlap
-    /// test is exact.
+    /// test is exact. Returns `Break` if the visitor ended the search.
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()>;
 
-    /// Visits each box that overlaps `bounds`, once. The overlap test is exact.
+    /// Visits each box that overlaps `bounds`, once. The overlap test is exact. Returns `Break` if
+    /// the visitor ended the search.
     fn overlapping(&self, bounds: &MinMax, visit: &mut Visitor<'_>) -> ControlFlow<()> {
         self.overlapping_counted(bounds, &mut Work::default(), visit)
     }
 
-    /// Visits each box that contains the point, once. The test is exact; no box contains a point
-    /// with a NaN or infinite coordinate.
+    /// Visits each box that has the point inside or on its boundary, once. The test is exact; no
+    /// box contains a point with a NaN or infinite coordinate. Returns `Break` if the visitor ended
+    /// the search.
     fn at(&self, point: [f64; 3], visit: &mut Visitor<'_>) -> ControlFlow<()> {
         match MinMax::new(point, point) {
             Ok(bounds) => self.overlapping(&bounds, visit),
@@ -131,8 +135,8 @@ pub trait Partition: Holds {
         pairs
     }
 
-    /// Returns all overlapping pairs of a box of this partition and a box of `other`, in this
-    /// order: sorted. Exact.
+    /// Returns all pairs of a box of this partition and a box of `other` that overlap, sorted. The
+    /// key of the box of this partition comes first. Exact.
     fn pairs_with(&self, other: &dyn Partition) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
         self.each(&mut |key, bounds| {

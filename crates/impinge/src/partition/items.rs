@@ -6,7 +6,7 @@ use crate::volume::{BoundingVolume, MinMax};
 /// Access to the boxes of a partition by key. Every partition implements it; it cannot be
 /// implemented outside this module.
 pub trait Holds {
-    /// Returns the boxes by key.
+    /// Returns the boxes of the partition, indexed by key.
     fn items(&self) -> &Items;
 }
 

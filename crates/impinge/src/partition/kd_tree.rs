@@ -83,8 +83,8 @@ fn split_node(mut held: Vec<Held>, depth: usize, spare: &mut usize) -> (Vec<Held
     (Vec::new(), Some((axis, plane, sides)))
 }
 
-/// Returns a plane through the median center of the boxes, across the axis along which the centers
-/// are spread most. Returns `None` if all centers coincide.
+/// Returns the plane through the median center of the boxes, perpendicular to the axis along which
+/// the centers are spread most. Returns `None` if all centers coincide.
 fn plane_for(held: &mut [Held]) -> Option<(usize, f64)> {
     let center = |held: &Held, axis: usize| 0.5 * held.bounds.min()[axis] + 0.5 * held.bounds.max()[axis];
     let extents = [0, 1, 2].map(|axis| {
@@ -110,8 +110,8 @@ impl Partition for KdTree {
         Cells::Disjoint
     }
 
-    /// A box that is in several cells is visited once: in the cell that contains the minimum corner
-    /// of its intersection with the query box.
+    /// Visits a box that is in several cells only once: in the cell that contains the minimum
+    /// corner of its intersection with the query box.
     fn overlapping_counted(&self, bounds: &MinMax, work: &mut Work, visit: &mut Visitor<'_>) -> ControlFlow<()> {
         const ALL: [[f64; 3]; 2] = [[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]];
         let (min, max) = (bounds.min(), bounds.max());

@@ -5,11 +5,10 @@
 pub struct Neighbor {
     /// Key of the box.
     pub key: u32,
-    /// Squared distance from the point to the nearest point of the box; zero if the point is
-    /// inside.
+    /// Squared distance from the point to the nearest point of the box, in squared units of the
+    /// boxes; zero if the point is inside.
     ///
     /// # Accuracy
-    /// It is computed from three squares of rounded differences and two sums: the relative error is
-    /// at most 2^-51.
+    /// The relative error is at most 2^-51: the squares of three rounded differences are added.
     pub distance_squared: f64,
 }

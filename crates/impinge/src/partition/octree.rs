@@ -21,7 +21,8 @@ const MAX_DEPTH: usize = 20;
 /// Node number that stands for "no node".
 const NONE: u32 = u32::MAX;
 
-/// An octree whose cells are disjoint, with each box in the smallest cell that contains it.
+/// An octree: each box is in the smallest cube that contains it. Cubes of one level share no inner
+/// point.
 ///
 /// A box across the middle of a cell stays in that cell, however small it is. Large cells therefore
 /// collect small boxes, and every query near a middle compares them; [`LooseOctree`] avoids this.

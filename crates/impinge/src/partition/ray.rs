@@ -3,7 +3,7 @@
 use crate::input::{InputError, InputErrorKind};
 use crate::volume::MinMax;
 
-/// A ray: the points `origin + t * direction` for `t` from 0 to `reach`.
+/// A ray: the points `origin + t * direction` for `t` from 0 to `reach`, in the frame of the boxes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     origin: [f64; 3],
@@ -57,20 +57,20 @@ impl Ray {
         self.direction
     }
 
-    /// Returns the largest value of `t` on the ray.
+    /// Returns the largest value of `t` on the ray, which may be infinite.
     #[must_use]
     pub fn reach(&self) -> f64 {
         self.reach
     }
 
-    /// Returns the parameter `t >= 0` at which the ray enters the closed box, or `None` if the ray
-    /// provably misses it.
+    /// Returns the parameter `t >= 0` at which the ray enters the closed box, zero if it starts
+    /// inside. Returns `None` if the ray provably misses the box or ends before it.
     ///
     /// # Accuracy
     /// Conservative: it never returns `None` for a ray that hits the box, and `t` is never larger
     /// than the exact value. The computed ends of the interval have a relative error of at most
-    /// 2^-50, so a box may be reported that the ray passes at less than that distance. A box that
-    /// contains another is never entered later.
+    /// 2^-50. So a box may be reported although the ray passes it at less than that distance. A box
+    /// that contains another is never entered later.
     ///
     /// # Source
     /// Ize, *Robust BVH ray traversal*, JCGT 2(2), 2013. Ours divides instead of multiplying by

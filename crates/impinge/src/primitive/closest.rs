@@ -16,16 +16,16 @@ use crate::math::vec3::length;
 /// the points are rounded once more, in their last place. `tests/it/distance` compares with
 /// rationals: the largest error seen is 10 % of the bound.
 ///
-/// All finite coordinates up to 2^500 are accepted; a power of two is factored out.
+/// All coordinates must be finite and at most 2^500 in magnitude; a power of two is factored out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestPoints {
-    /// Distance of the two points.
+    /// Distance of the two points, in the unit of the arguments.
     pub distance: f64,
-    /// Error bound of the distance.
+    /// Error bound: the true distance of the sets differs from `distance` by at most this.
     pub error: f64,
-    /// A point of A.
+    /// A point of A that is nearest to B, in the frame of the arguments, rounded.
     pub point_a: Vector,
-    /// A point of B.
+    /// A point of B that is nearest to A, in the frame of the arguments, rounded.
     pub point_b: Vector,
 }
 

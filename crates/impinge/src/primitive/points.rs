@@ -9,7 +9,7 @@ use super::products::accurate_cross;
 use crate::math::vec3::{Vector, cross, dot, sub};
 
 /// Returns the point of the segment from `segment[0]` to `segment[1]` that is nearest to `point`.
-/// The segment may have length zero.
+/// The segment may have length zero. In the result, A is the point and B the segment.
 ///
 /// # Accuracy
 /// As for [`ClosestPoints`].
@@ -29,7 +29,7 @@ pub fn closest_on_segment(point: &Vector, segment: &[Vector; 2]) -> ClosestPoint
 }
 
 /// Returns the point of a triangle that is nearest to `point`. The triangle may degenerate to a
-/// segment or a point.
+/// segment or a point. In the result, A is the point and B the triangle.
 ///
 /// # Accuracy
 /// As for [`ClosestPoints`].

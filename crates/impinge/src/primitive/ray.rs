@@ -26,16 +26,17 @@ pub struct RayCrossing {
     /// at most 2^-40. It is zero if the true parameter is zero, and the largest float if that is
     /// beyond 2^1022.
     pub t: f64,
-    /// Error bound of `t`.
+    /// Bound on the absolute error of `t`.
     pub error: f64,
 }
 
 /// Returns the first point that the ray from `origin` in `direction` has in common with the closed
-/// triangle. Returns `None` if there is none. `direction` must not be zero.
+/// triangle. Returns `None` if there is none. The direction must not be zero, but may have any
+/// other length. Ray and triangle are given in one frame.
 ///
-/// The decision is exact for the real ray and the real triangle. All numbers must be at most 2^300
-/// in magnitude. The triangle may degenerate to a segment or a point. If the ray lies in its plane,
-/// the result is the first common point.
+/// The decision is exact for the real ray and the real triangle. All numbers must be finite and at
+/// most 2^300 in magnitude. The triangle may degenerate to a segment or a point. If the ray lies in
+/// its plane, the result is the first common point.
 ///
 /// ```
 /// use impinge::primitive::ray_triangle;
@@ -108,8 +109,8 @@ impl RayCrossing {
     }
 }
 
-/// Relative error bound of a determinant of three differences. Its roundings are three of the
-/// differences, two of a product, one of a minor, one more product and two sums: 9 units of 2^-53.
+/// Relative error bound of a determinant of three differences. The differences contribute three
+/// roundings, a product two, a minor one, one more product one, and two sums two: 9 units of 2^-53.
 /// The rest covers the rounding of the bound itself.
 const ROUNDING: f64 = 12.0 * (f64::EPSILON / 2.0);
 

@@ -12,8 +12,8 @@ pub struct Distance {
     /// Upper bound of the distance, in world units. It is zero if a common point is proved, and
     /// infinite if a mesh is empty.
     pub upper: f64,
-    /// Nearest points of the two things. Absent if a mesh is empty, or if one thing lies inside the
-    /// other, a solid mesh, without touching its surface.
+    /// Nearest points of the two things. Absent if a mesh is empty, or if one of two meshes lies
+    /// inside the other, a solid, without touching its surface.
     pub witness: Option<Witness>,
     /// Verdict whether the two things intersect, as [`proximity`](super::proximity()) returns it.
     pub proximity: Proximity,

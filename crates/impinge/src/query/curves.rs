@@ -18,11 +18,12 @@ use crate::query::intersecting_pairs;
 /// Intersection curves of two surfaces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curves {
-    /// Polylines in the world frame. A polyline is closed if its last point repeats the first. An
-    /// open polyline ends at the border of a mesh, or at a point where more than two pieces come
-    /// together.
+    /// Polylines in the world frame, each coordinate rounded to nearest. A polyline is closed if
+    /// its last point repeats the first. An open polyline ends at the border of a mesh, or at a
+    /// point where more than two pieces come together.
     pub polylines: Vec<Vec<[f64; 3]>>,
-    /// Points at which the surfaces touch without a curve, in the world frame.
+    /// Points at which the surfaces touch without a curve, in the world frame, each coordinate
+    /// rounded to nearest.
     pub points: Vec<[f64; 3]>,
     /// Number of pairs of faces that intersect within one plane. They have no curve of their own,
     /// but the curves of their neighbors run along them.
@@ -78,8 +79,9 @@ pub fn intersection_curves<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<Pl
     curves_of_pairs(a, b, &intersecting_pairs(a, b))
 }
 
-/// Computes [`intersection_curves`] from pairs of faces that [`intersecting_pairs`] returned
-/// earlier, or from some of them.
+/// Computes the curves in which some pairs of faces intersect, in the world frame. `pairs` are
+/// pairs that [`intersecting_pairs`] returned for the same meshes and poses, or some of them.
+/// Accuracy is that of [`intersection_curves`].
 ///
 /// # Panics
 /// If a face index of a pair is out of range.

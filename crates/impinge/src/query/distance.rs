@@ -41,8 +41,8 @@ use crate::mesh::WarmStart;
 ///   `tests/it/distance`, against rational numbers). The lower bound is zero if one mesh is an open
 ///   solid and it is undecided whether the other mesh is inside it.
 /// - For polytopes (points, segments, triangles, boxes, hulls) and half-spaces the width is at most
-///   2^-36 of the distance, however small the distance is. Spheres and capsules add two terms: how
-///   far the pose is from orthogonal, and 2^-46 of the size of their cores.
+///   2^-36 of the distance, however small the distance is. Spheres and capsules add two terms:
+///   twice the radius times the relative stretch of the pose, and 2^-46 of the size of their cores.
 /// - For other round shapes the width is about 2^-40 of the size. It grows to 2^-23 if the shapes
 ///   are turned so that several points are equally near (tests: `tests/it/shapes`).
 ///
@@ -55,9 +55,9 @@ use crate::mesh::WarmStart;
 ///
 /// # Source
 /// Meshes: Larsen, Gottschalk, Lin, Manocha, *Fast proximity queries with swept sphere volumes*,
-/// ICRA
-/// 2000. Our bounds differ: they come from eight boxes at a time and from the direction between the
-///       nearest points so far, and they are proved. Convex shapes: see [`convex`](crate::convex).
+/// ICRA 2000. Our bounds differ: they come from eight boxes at a time and from the direction
+/// between the nearest points so far, and they are proved. Convex shapes: see
+/// [`convex`](crate::convex).
 #[must_use]
 pub fn distance<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Distance {
     Query::new().distance(a, b)
@@ -66,8 +66,8 @@ pub fn distance<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> D
 /// Reports whether the distance of two things is at most `clearance`, in world units.
 ///
 /// The function never fails. It returns `false` if `clearance` is negative or NaN, or if a mesh is
-/// empty. A thing inside a solid is within any other clearance of it. If rounding leaves the answer
-/// undecided, it returns `true`; [`nearness`] tells.
+/// empty. A thing inside a solid has distance zero from it. If rounding leaves the answer
+/// undecided, it returns `true`; [`nearness`] then returns `Undecided`.
 ///
 /// ```
 /// use impinge::{Mesh, Pose, Positions, query};
@@ -95,12 +95,13 @@ pub fn within<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, cleara
     Query::new().within(a, b, clearance)
 }
 
-/// Returns whether the distance of two things is at most `clearance`, or that this is undecided.
+/// Returns whether the distance of two things is at most `clearance`, in world units, or that this
+/// is undecided.
 ///
-/// [`Proximity::Intersects`] means that it is. A clearance of zero gives the answer of
-/// [`proximity`](super::proximity()). The function never fails; it returns
-/// [`Apart`](Proximity::Apart) if `clearance` is negative or NaN, or if a mesh is empty. Accuracy
-/// and complexity are those of [`within`].
+/// [`Proximity::Intersects`] means that the distance is at most `clearance`, [`Proximity::Apart`]
+/// that it is greater. A clearance of zero gives the answer of [`proximity`](super::proximity()).
+/// The function never fails; it returns [`Apart`](Proximity::Apart) if `clearance` is negative or
+/// NaN, or if a mesh is empty. Accuracy and complexity are those of [`within`].
 ///
 /// ```
 /// use impinge::query::{self, Proximity};
@@ -118,7 +119,8 @@ pub fn nearness<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, clea
 }
 
 impl Query<'_> {
-    /// Computes the distance of two things, as [`distance`] does.
+    /// Computes the distance of two things in world units, as a proved interval with the nearest
+    /// points, as [`distance`] does.
     #[must_use]
     pub fn distance<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Distance {
         let (a, b) = (a.into(), b.into());
@@ -128,14 +130,15 @@ impl Query<'_> {
         of_meshes::distance(a, b, warm_start, &self.options)
     }
 
-    /// Reports whether the distance of two things is at most `clearance`, as [`within`] does.
+    /// Reports whether the distance of two things is at most `clearance`, in world units, as
+    /// [`within`] does.
     #[must_use]
     pub fn within<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, clearance: f64) -> bool {
         self.nearness(a, b, clearance) != Proximity::Apart
     }
 
-    /// Returns whether the distance of two things is at most `clearance`, or that this is
-    /// undecided, as [`nearness`] does.
+    /// Returns whether the distance of two things is at most `clearance`, in world units, or that
+    /// this is undecided, as [`nearness`] does.
     #[must_use]
     pub fn nearness<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, clearance: f64) -> Proximity {
         let (a, b) = (a.into(), b.into());

@@ -59,14 +59,14 @@ pub fn proximity<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> 
 }
 
 impl Query<'_> {
-    /// Reports whether two things have a point in common, as [`intersects`] does.
+    /// Reports whether two things have a point in common, as [`intersects`] does. Touching counts.
     #[must_use]
     pub fn intersects<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> bool {
         self.proximity(a, b) != Proximity::Apart
     }
 
     /// Returns whether two things have a point in common, or that this is undecided, as
-    /// [`proximity`] does.
+    /// [`proximity`] does. Touching counts.
     #[must_use]
     pub fn proximity<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Proximity {
         let (a, b) = (a.into(), b.into());

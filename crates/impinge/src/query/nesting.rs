@@ -16,9 +16,9 @@ use crate::mesh::{Components, Containment, Mesh, PlacedMesh, PointClassifier};
 /// Which mesh has a connected component inside the other one, without touching its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Contained {
-    /// A component of the first mesh is inside the second.
+    /// Only the first mesh has a component inside the other.
     A,
-    /// A component of the second mesh is inside the first.
+    /// Only the second mesh has a component inside the other.
     B,
     /// Each mesh has a component inside the other.
     Both,
@@ -52,7 +52,7 @@ impl Contained {
         }
     }
 
-    /// Reports for each mesh whether it has a component inside the other.
+    /// Reports for the first and for the second mesh whether it has a component inside the other.
     #[must_use]
     pub fn sides(self) -> [bool; 2] {
         [self != Self::B, self != Self::A]
@@ -91,8 +91,9 @@ pub fn solid_intersection<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<Pla
     solid_intersection_of_pairs(a, b, &intersecting_pairs(a, b))
 }
 
-/// Returns [`solid_intersection`] of two meshes from the pairs of faces that intersect. `pairs`
-/// must be all pairs that [`intersecting_pairs`] returned for the same meshes and poses.
+/// Returns how two meshes intersect, as [`solid_intersection`] does, given the pairs of faces that
+/// intersect. `pairs` must be all pairs that [`intersecting_pairs`] returned for the same meshes
+/// and poses.
 ///
 /// # Panics
 /// If a face index of a pair is out of range.

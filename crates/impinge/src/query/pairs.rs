@@ -33,7 +33,8 @@ pub fn intersecting_pairs<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<Pla
 /// Intersecting pairs of faces up to a limit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LimitedPairs {
-    /// First pairs in sorted order, each a face of `a` and a face of `b`.
+    /// The first pairs in sorted order, at most the limit. Each is a face of the first mesh and a
+    /// face of the second.
     pub pairs: Vec<[u32; 2]>,
     /// Whether there are more pairs than the limit.
     pub truncated: bool,
@@ -70,7 +71,8 @@ pub fn intersecting_pairs_up_to<'a, 'b>(
 }
 
 impl Query<'_> {
-    /// Returns all pairs of faces that have a point in common, as [`intersecting_pairs`] does.
+    /// Returns all pairs of faces (face of `a`, face of `b`) that have a point in common, as
+    /// [`intersecting_pairs`] does.
     #[must_use]
     pub fn intersecting_pairs<'a, 'b>(
         self,
@@ -80,8 +82,8 @@ impl Query<'_> {
         pair_order::sorted(collect_intersecting(a.into(), b.into(), usize::MAX, &self.options))
     }
 
-    /// Returns the first `limit` pairs of faces that have a point in common, as
-    /// [`intersecting_pairs_up_to`] does.
+    /// Returns the first `limit` pairs of faces (face of `a`, face of `b`) that have a point in
+    /// common, and whether there are more, as [`intersecting_pairs_up_to`] does.
     #[must_use]
     pub fn intersecting_pairs_up_to<'a, 'b>(
         self,

@@ -23,8 +23,8 @@
 //!
 //! Proof: docs/notes/proof.md, L19. Tests: `tests/it/solids/penetration.rs`. Benchmark: `solids`.
 
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 
 use rayon::prelude::*;
 
@@ -43,9 +43,10 @@ pub enum Penetrates {
     Yes,
 }
 
-/// Returns [`penetrates`](super::penetrates()) of two meshes from the pairs of faces that
-/// intersect. `pairs` must be all pairs that [`intersecting_pairs`](super::intersecting_pairs())
-/// returned for the same meshes and poses.
+/// Returns whether the interiors of two meshes intersect, as [`penetrates`](super::penetrates())
+/// does, given the pairs of faces that intersect. Both meshes count as solids. `pairs` must be all
+/// pairs that [`intersecting_pairs`](super::intersecting_pairs()) returned for the same meshes and
+/// poses.
 ///
 /// # Panics
 /// If a face index of a pair is out of range.
@@ -80,6 +81,13 @@ pub fn penetrates_of_pairs<'a, 'b>(
 /// Pair of faces that intersect in a segment or in an area. Both faces count.
 type Touching = ([u32; 2], Contact);
 
+/// Faces of one mesh in a fan: a single face, or all faces at an edge, given by its name.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Member {
+    Face(u32),
+    Edge([u32; 2]),
+}
+
 /// Two placed meshes, A and B.
 struct Solids<'m> {
     placed: [PlacedMesh<'m>; 2],
@@ -107,13 +115,31 @@ impl<'m> Solids<'m> {
 
     /// Returns the verdict of some contacts: `Yes` if one of them proves an intersection.
     fn classify_contacts(&self, contacts: &[Touching]) -> Penetrates {
-        let sides = [0, 1].map(|side| Side::of(self.mesh(side), side, contacts));
+        let contacts = self.with_distinct_fans(contacts);
+        let sides = [0, 1].map(|side| Side::of(self.mesh(side), side, &contacts));
         // Stops at the first contact that proves an intersection.
         let answers = contacts.par_iter().map(|(pair, contact)| match self.classify(&sides, *pair, *contact) {
             Penetrates::Yes => Err(()),
             answer => Ok(answer),
         });
         answers.try_reduce(|| Penetrates::No, |x, y| Ok(x.max(y))).unwrap_or(Penetrates::Yes)
+    }
+
+    /// Returns the contacts, with one contact only for each fan. Many faces at an edge have many
+    /// contacts with the faces at another edge, and all of these contacts have one fan.
+    fn with_distinct_fans(&self, contacts: &[Touching]) -> Vec<Touching> {
+        let name = |side: usize, face: u32, edge: [usize; 2]| Member::Edge(self.mesh(side).edge_name(face, edge));
+        let mut fans = HashSet::new();
+        let mut is_first = |&(pair, contact): &Touching| {
+            let [a, b] = pair;
+            match contact {
+                Contact::EdgeOfA(edge) => fans.insert([name(0, a, edge), Member::Face(b)]),
+                Contact::EdgeOfB(edge) => fans.insert([Member::Face(a), name(1, b, edge)]),
+                Contact::Edges(edge_a, edge_b) => fans.insert([name(0, a, edge_a), name(1, b, edge_b)]),
+                _ => true,
+            }
+        };
+        contacts.iter().copied().filter(|contact| is_first(contact)).collect()
     }
 
     /// Returns the verdict of one contact.

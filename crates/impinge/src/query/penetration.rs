@@ -18,16 +18,17 @@ pub struct Penetration {
     /// Direction of length 1 from the first thing to the second, in the world frame. If several
     /// directions are equally good, it is one of them.
     pub normal: [f64; 3],
-    /// Point of the first thing that is deepest in the second, seen against the normal. It is in
-    /// the world frame, each coordinate rounded.
+    /// Point of the first thing that is deepest in the second along the normal, in the world frame,
+    /// each coordinate rounded.
     pub point_a: [f64; 3],
     /// Point of the second thing that is deepest in the first, in the world frame, each coordinate
-    /// rounded. `point_a` is about the depth away from it along the normal.
+    /// rounded. Along the normal, `point_a` is ahead of it by about the depth.
     pub point_b: [f64; 3],
 }
 
 impl Penetration {
-    /// Penetration about which nothing is proved: a depth between zero and infinity.
+    /// Penetration about which nothing is proved: a depth between zero and infinity. Its normal and
+    /// its points are zero.
     pub const UNKNOWN: Self =
         Self { lower: 0.0, upper: f64::INFINITY, normal: [0.0; 3], point_a: [0.0; 3], point_b: [0.0; 3] };
 }

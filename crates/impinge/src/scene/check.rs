@@ -33,7 +33,7 @@ pub enum Stop {
     All,
 }
 
-/// A pair of parts for which the answer is yes.
+/// A pair of parts for which the answer to a [`Question`] is yes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FoundPair {
     /// The two parts, the smaller handle first.
@@ -44,8 +44,8 @@ pub struct FoundPair {
 }
 
 impl Scene {
-    /// Returns the pairs of parts for which the answer is yes, in the poses of the scene, sorted.
-    /// Undecided pairs are included.
+    /// Returns the pairs of parts for which the answer to a question is yes, at the poses of the
+    /// scene, sorted. Undecided pairs are included.
     ///
     /// # Errors
     /// Returns the errors of [`check`](Self::check).
@@ -58,8 +58,8 @@ impl Scene {
         Ok(pairs.into_iter().map(|pair| pair.parts).collect())
     }
 
-    /// Returns for each configuration the pairs of parts for which the answer is yes, sorted. With
-    /// [`Stop::First`] it returns the first pair only.
+    /// Returns for each configuration the pairs of parts for which the answer to a question is yes,
+    /// sorted. With [`Stop::First`] it returns the first pair only.
     ///
     /// A part with a faulty pose counts as near every other part. If a configuration has faulty
     /// poses, its status is that of the first such part. Otherwise it depends on whether one of the

@@ -30,9 +30,9 @@ struct Moves {
 /// Error if the leading axes of a part's poses do not broadcast with those of the earlier parts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConfigurationsError {
-    /// Part whose poses were refused.
+    /// Part whose leading axes do not broadcast.
     pub part: PartId,
-    /// The common leading axes so far, and those of the part.
+    /// The lengths of the common leading axes so far, and of the axes of the part.
     pub error: BroadcastError,
 }
 
@@ -46,7 +46,8 @@ impl Scene {
 }
 
 impl<'s> Configurations<'s> {
-    /// Sets the poses of a part. A pose at which the part cannot be placed becomes a faulty row.
+    /// Sets the poses of a part, which map its frame to the world frame. A pose at which the part
+    /// cannot be placed becomes a faulty row.
     ///
     /// # Errors
     /// Returns an error if the leading axes do not broadcast with those of the earlier parts.
@@ -72,14 +73,15 @@ impl<'s> Configurations<'s> {
         Ok(())
     }
 
-    /// Returns the common leading axes. The slice is empty for a single configuration.
+    /// Returns the lengths of the common leading axes. The slice is empty for a single
+    /// configuration.
     #[must_use]
     pub fn shape(&self) -> &[usize] {
         &self.shape
     }
 
     /// Returns the first faulty pose: its part, its row among the poses of that part, and its
-    /// error.
+    /// error. Returns `None` if all poses are valid.
     #[must_use]
     pub fn first_fault(&self) -> Option<(PartId, usize, &InputError)> {
         self.moves.iter().find_map(|(&part, moves)| moves.poses.first_fault().map(|(row, error)| (part, row, error)))

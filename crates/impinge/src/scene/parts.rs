@@ -12,7 +12,7 @@ use crate::shape::Shape;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PartId(u32);
 
-/// Named parts that are checked against each other.
+/// Named parts at poses in the world, which are checked against each other.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     parts: Vec<Part>,
@@ -131,8 +131,9 @@ impl Scene {
         self.ignored.insert([a.min(b), a.max(b)]);
     }
 
-    /// Puts a part into a group. Parts of the same group are not checked against each other. A part
-    /// without a group is checked against all other parts.
+    /// Puts a part into a group. Parts of the same group are not checked against each other. `None`
+    /// takes the part out of its group: it is then checked against all other parts, except in
+    /// ignored pairs.
     ///
     /// # Panics
     /// As for [`name`](Self::name).
@@ -140,7 +141,8 @@ impl Scene {
         self.parts[part.index()].group = group;
     }
 
-    /// Reports whether a pair of parts is checked.
+    /// Reports whether a pair of parts is checked: two different parts that are not in one group
+    /// and not ignored.
     ///
     /// # Panics
     /// As for [`name`](Self::name).

@@ -28,8 +28,8 @@ impl Shape {
         Ok(Self(Kind::Round { core: RoundCore::Few(Corners::few(&[center])), radius }))
     }
 
-    /// Returns a capsule: the points within `radius` of a segment. The ends of the segment may be
-    /// equal.
+    /// Returns a capsule, in the frame of the shape: the points within `radius` of a segment. The
+    /// ends of the segment may be equal.
     ///
     /// # Errors
     /// As for [`sphere`](Self::sphere).
@@ -39,8 +39,8 @@ impl Shape {
         Ok(Self(Kind::Round { core: RoundCore::Few(Corners::few(&[start, end])), radius }))
     }
 
-    /// Returns a box about the origin, with sides along the axes. It reaches from minus to plus the
-    /// half-extent along each axis; a half-extent may be zero.
+    /// Returns a box about the origin of the shape's frame, with edges along the axes. It reaches
+    /// from minus to plus the half-extent along each axis; a half-extent may be zero.
     ///
     /// # Errors
     /// As for [`sphere`](Self::sphere).
@@ -50,7 +50,8 @@ impl Shape {
         Self::few("corner", &[0, 1, 2, 3, 4, 5, 6, 7].map(corner))
     }
 
-    /// Returns a cylinder about the z axis, from -`half_height` to `half_height`.
+    /// Returns a cylinder about the z axis of the shape's frame, from z = -`half_height` to z =
+    /// `half_height`.
     ///
     /// # Errors
     /// As for [`sphere`](Self::sphere).
@@ -60,8 +61,8 @@ impl Shape {
         Ok(Self::curved(Arc::new(Cylinder { half_height, radius })))
     }
 
-    /// Returns a cone about the z axis. Its base has the given radius and lies at z =
-    /// -`half_height`; its tip lies at z = `half_height`.
+    /// Returns a cone about the z axis of the shape's frame. Its base has the given radius and lies
+    /// at z = -`half_height`; its tip lies at z = `half_height`.
     ///
     /// # Errors
     /// As for [`sphere`](Self::sphere).
@@ -71,8 +72,9 @@ impl Shape {
         Ok(Self::curved(Arc::new(Cone { half_height, radius })))
     }
 
-    /// Returns an ellipsoid about the origin. `half_axes` are half the lengths of its axes, which
-    /// may be zero. Three equal half-axes give a sphere.
+    /// Returns an ellipsoid about the origin of the shape's frame, with its axes along the
+    /// coordinate axes. `half_axes` are half the lengths of its axes, which may be zero. Three
+    /// equal half-axes give a sphere.
     ///
     /// # Errors
     /// As for [`sphere`](Self::sphere).
@@ -84,13 +86,14 @@ impl Shape {
         Ok(Self::curved(Arc::new(Ellipsoid { half_axes })))
     }
 
-    /// Returns the shape of a convex hull, with its interior.
+    /// Returns the shape of a convex hull, with its interior. The hull's frame is the frame of the
+    /// shape.
     #[must_use]
     pub fn hull(hull: Arc<Hull>) -> Self {
         Self(Kind::Polytope(Corners::hull(hull)))
     }
 
-    /// Returns a point.
+    /// Returns the shape of one point, in the frame of the shape.
     ///
     /// # Errors
     /// As for [`sphere`](Self::sphere).
@@ -98,7 +101,7 @@ impl Shape {
         Self::few("point", &[point])
     }
 
-    /// Returns a segment. Its ends may be equal.
+    /// Returns a segment, in the frame of the shape. Its ends may be equal.
     ///
     /// # Errors
     /// As for [`sphere`](Self::sphere).
@@ -106,7 +109,7 @@ impl Shape {
         Self::few("end", &ends)
     }
 
-    /// Returns a triangle. It may have no area.
+    /// Returns a triangle, in the frame of the shape. It may have no area.
     ///
     /// # Errors
     /// As for [`sphere`](Self::sphere).
@@ -114,8 +117,8 @@ impl Shape {
         Self::few("corner", &corners)
     }
 
-    /// Returns a half-space: the points x with `normal`·x ≤ `level`. The normal may have any length
-    /// except zero.
+    /// Returns a half-space: the points x of the shape's frame with `normal`·x ≤ `level`. The
+    /// normal may have any length except zero.
     ///
     /// # Errors
     /// As for [`sphere`](Self::sphere), and [`ZeroAxis`](InputErrorKind::ZeroAxis) for a normal of
@@ -129,8 +132,8 @@ impl Shape {
         Ok(Self(Kind::HalfSpace { normal, level }))
     }
 
-    /// Returns a shape for any convex set with a support function. The accuracy is that of round
-    /// shapes.
+    /// Returns a shape for any convex set with a support function, in the frame of the shape.
+    /// Accuracy is that of round shapes, and poses must be rigid ([`at`](Self::at)).
     ///
     /// ```
     /// use std::sync::Arc;
@@ -165,14 +168,15 @@ impl Shape {
         Ok(Self::curved(set))
     }
 
-    /// Returns the surface of a mesh. All shapes made of a mesh share its memory.
+    /// Returns the surface of a mesh as a shape, in the mesh frame. All shapes made of a mesh share
+    /// its memory.
     #[must_use]
     pub fn mesh(mesh: &Mesh) -> Self {
         Self(Kind::Mesh { mesh: mesh.clone(), is_solid: false })
     }
 
-    /// Returns a mesh as a solid: its surface and all points whose winding number is above one
-    /// half.
+    /// Returns a mesh as a solid shape, in the mesh frame: its surface and all points whose winding
+    /// number is above one half.
     ///
     /// ```
     /// use impinge::{Mesh, Pose, Positions, Shape, query};

@@ -15,7 +15,8 @@ use crate::volume::stretch;
 /// Maximum number of corners that are prefetched: those of a box.
 const MAX_PREFETCHED_CORNERS: usize = 8;
 
-/// A shape in the world: a [`Shape`] with a pose that it accepts.
+/// A [`Shape`] at a pose in the world. Round shapes and custom sets need a rigid pose, to within
+/// 1e-4 (see [`Shape::at`]).
 #[derive(Clone, Debug)]
 pub struct PlacedShape {
     pub(super) kind: Kind,

@@ -5,13 +5,13 @@ use fearless_simd::{Level, Simd, f32x8, u32x8};
 
 use super::{LANES, load};
 
-/// A source lane for each of the eight places of a vector: the low three bits of one byte each. The
-/// lowest byte belongs to the first place.
+/// A permutation of eight lanes: for each lane of the result its source lane, in the low three bits
+/// of one byte. The lowest byte belongs to lane 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Choice(pub(crate) u64);
 
 impl Choice {
-    /// Builds a permutation from the source lane of each place.
+    /// Builds a permutation from the source lane of each lane of the result.
     #[inline(always)]
     pub(crate) fn new(lanes: [usize; LANES]) -> Self {
         Self(u64::from_le_bytes(lanes.map(|lane| lane as u8)))

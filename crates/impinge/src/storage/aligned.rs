@@ -9,8 +9,8 @@ use super::{Buffer, Pages};
 #[repr(C, align(64))]
 struct Line([u8; 64]);
 
-/// Bytes that are aligned for every element type. They hold a copy of memory that belongs to
-/// somebody else and may change.
+/// Bytes aligned to 64 bytes, which suits every element type. They hold a copy of memory that
+/// belongs to somebody else and may change.
 pub struct AlignedBytes {
     lines: Buffer<Line>,
     len: usize,

@@ -31,7 +31,7 @@ pub struct Pages<T> {
 }
 
 impl<T: Pod> Pages<T> {
-    /// Returns `len` zeros. They are a vector if they are too few for large pages, if the system
+    /// Returns `len` zeros. They are in a vector if they take less than 2 MiB, if the system
     /// refuses pages, or without the feature `mmap`.
     #[must_use]
     pub fn zeroed(len: usize) -> Buffer<T> {
@@ -64,13 +64,14 @@ pub enum Buffer<T> {
     Owned(Vec<T>),
     /// Elements owned in large pages.
     Paged(Pages<T>),
-    /// A range of shared bytes. Its length and alignment were checked when it was made.
+    /// A range of shared bytes. Its length and alignment suit the elements, as
+    /// [`borrow`](Self::borrow) checks.
     Borrowed(SharedBytes, Range<usize>),
 }
 
 impl<T: Pod> Buffer<T> {
-    /// Borrows the elements in the bytes of `range`. Returns `None` if the range is out of bounds,
-    /// is not a whole number of elements, or is not aligned for them.
+    /// Borrows the elements in the bytes of `range`, without a copy. Returns `None` if the range is
+    /// out of bounds, is not a whole number of elements, or is not aligned for them.
     #[must_use]
     pub fn borrow(bytes: SharedBytes, range: Range<usize>) -> Option<Self> {
         let slice = (*bytes).as_ref().get(range.clone())?;

@@ -7,8 +7,9 @@ use crate::input::InputError;
 use crate::query::batch::{Broadcast, Execution, Stopped};
 use crate::shape::Shape;
 
-/// Returns the [`time_of_impact`] of two things for each row of `broadcast`, which selects two
-/// motions. A row holds an error if a motion is not valid for one of the two things.
+/// Returns the [`time_of_impact`] of two things for each row of `broadcast`. `motions` holds
+/// motions of the first and of the second thing, and `broadcast` selects one of each for a row. A
+/// row holds an error if a motion is not valid for one of the two things.
 ///
 /// ```
 /// use impinge::query::batch::{Broadcast, Execution};

@@ -45,23 +45,23 @@ pub struct Deforming<'m> {
 pub enum Features {
     /// A vertex of the first surface and a face of the second.
     VertexFace {
-        /// Row of the vertex.
+        /// Row of the vertex in the positions.
         vertex: u32,
-        /// Row of the face.
+        /// Row of the face in the faces.
         face: u32,
     },
     /// A face of the first surface and a vertex of the second.
     FaceVertex {
-        /// Row of the face.
+        /// Row of the face in the faces.
         face: u32,
-        /// Row of the vertex.
+        /// Row of the vertex in the positions.
         vertex: u32,
     },
-    /// An edge of either surface.
+    /// An edge of the first surface and an edge of the second.
     EdgeEdge {
-        /// Edge of the first surface.
+        /// Edge of the first surface: the rows of its ends, the lesser first.
         edge_a: [u32; 2],
-        /// Edge of the second surface.
+        /// Edge of the second surface: the rows of its ends, the lesser first.
         edge_b: [u32; 2],
     },
 }
@@ -71,13 +71,14 @@ pub enum Features {
 pub struct SweptContact {
     /// The features that touch.
     pub features: Features,
-    /// The time of first contact. An undecided contact is listed too.
+    /// The time of first contact, from 0 at the start to 1 at the end. An undecided contact is
+    /// listed too.
     pub impact: Impact,
 }
 
 impl<'m> Deforming<'m> {
-    /// Validates the arrays and builds the tree. `t0` and `t1` hold the positions at the start and
-    /// at the end.
+    /// Returns the surface with these faces, after it validates the arrays and builds a tree of
+    /// boxes. `t0` and `t1` hold the positions of the vertices at the start and at the end.
     ///
     /// # Errors
     /// - A coordinate is not finite, or above 2^126 in magnitude. The reported row counts the rows
@@ -107,7 +108,8 @@ impl<'m> Deforming<'m> {
     }
 
     /// Returns every pair of a vertex and a face, or of two edges, of this surface and another one
-    /// that touch during the motion. The pairs are sorted and unique.
+    /// that touch during the motion. Both surfaces must be in one frame. The pairs are sorted and
+    /// unique.
     ///
     /// ```
     /// use impinge::sweep::{Deforming, Features};

@@ -14,7 +14,8 @@
 //! Polynomials that were rounded from exact ones are wrong by 1 u of each coefficient and 6 u of
 //! the largest, taken as 16, and by less than 2^-1060.
 //!
-//! The proof is docs/notes/proof.md, L23. The tests are in `tests/it/sweep/corners.rs` and `recorded.rs`.
+//! The proof is docs/notes/proof.md, L23. The tests are in `tests/it/sweep/corners.rs` and
+//! `recorded.rs`.
 
 use super::polynomials::{Polynomials, Split};
 use crate::math::relative::UNIT_ROUNDOFF;

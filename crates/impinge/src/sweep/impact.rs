@@ -5,11 +5,11 @@
 /// Time 0 is the start of the motion and 1 its end. Touching counts as contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
-    /// Nothing touches before this time. It is infinite if and only if contact is disproved for all
-    /// of [0, 1].
+    /// Lower bound of the time: nothing touches before it. It is infinite if and only if contact is
+    /// disproved for all of [0, 1].
     pub t_lower: f64,
-    /// There is contact no later than this time. It is infinite if that is not proved: contact was
-    /// disproved, or the limit on the work of one query was reached first.
+    /// Upper bound of the time: there is contact no later than it. It is infinite if that is not
+    /// proved: contact was disproved, or the limit on the work of one query was reached first.
     pub t_upper: f64,
 }
 
@@ -17,14 +17,15 @@ impl Impact {
     /// The impact of sets that do not touch in [0, 1].
     pub const NEVER: Self = Self { t_lower: f64::INFINITY, t_upper: f64::INFINITY };
 
-    /// Returns `true` if contact is proved, or is not disproved.
+    /// Reports whether contact is proved or undecided. `false` means that the sets are proved not
+    /// to touch.
     #[must_use]
     pub fn hit(&self) -> bool {
         self.t_lower < f64::INFINITY
     }
 
-    /// Returns `true` if contact is proved or disproved. If it is `false`, [`hit`](Self::hit) is
-    /// the safe answer.
+    /// Reports whether contact is proved or disproved. If neither is proved, [`hit`](Self::hit)
+    /// returns `true`, the safe answer.
     #[must_use]
     pub fn is_decided(&self) -> bool {
         self.t_upper < f64::INFINITY || !self.hit()

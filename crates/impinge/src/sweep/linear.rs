@@ -10,8 +10,8 @@
 //! 2021, halve time and both parameters of the face. So ours distinguishes a miss from contact
 //! however narrow it is.
 //!
-//! The proof is docs/notes/proof.md, L23. The tests are in `tests/it/sweep`, and the benchmark is `ccd`
-//! in `impinge-bench`.
+//! The proof is docs/notes/proof.md, L23. The tests are in `tests/it/sweep`, and the benchmark is
+//! `ccd` in `impinge-bench`.
 
 use super::exact::Exact;
 use super::floats::{Floats, Verdict, are_always_apart};
@@ -30,11 +30,12 @@ const EXACT_WORK: u32 = 1024;
 /// Exclusive limit on the magnitude of a coordinate: 2^128, as for the vertices of a mesh.
 const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 
-/// Returns the time at which a moving vertex and a moving face first touch.
+/// Returns the time at which a moving vertex and a moving face first touch, as a proved interval.
+/// Time 0 is the start of the motion and 1 its end.
 ///
-/// `t0` and `t1` hold the vertex and the three corners of the face at the start and at the end.
-/// Each point moves along a line at constant speed. A face without area is the segment or the point
-/// that it spans.
+/// `t0` and `t1` hold the vertex and the three corners of the face at the start and at the end. All
+/// points are in one frame, and each moves along a line at constant speed. A face without area is
+/// the segment or the point that it spans.
 ///
 /// ```
 /// use impinge::sweep;
@@ -69,10 +70,12 @@ pub fn vertex_face(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4]) -> Result<Impact, Inp
     Ok(first_contact(t0, t1, Split::VertexFace))
 }
 
-/// Returns the time at which two moving edges first touch.
+/// Returns the time at which two moving edges first touch, as a proved interval. Time 0 is the
+/// start of the motion and 1 its end.
 ///
 /// `t0` and `t1` hold the ends of one edge, then those of the other, at the start and at the end.
-/// An edge without length is a point.
+/// All points are in one frame, and each moves along a line at constant speed. An edge without
+/// length is a point.
 ///
 /// ```
 /// use impinge::sweep;
@@ -104,7 +107,7 @@ fn validate(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4]) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Returns the first contact of corners that are in range.
+/// Returns the time of first contact of corners that are in range.
 pub(super) fn first_contact(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4], split: Split) -> Impact {
     if are_always_apart(t0, t1, split) {
         return Impact::NEVER;

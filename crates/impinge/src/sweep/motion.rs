@@ -41,7 +41,8 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Returns the motion of a body at rest.
+    /// Returns the motion of a body that rests at a pose, which maps the body's frame to the world
+    /// frame.
     #[must_use]
     pub fn resting(world_from_body: Pose) -> Self {
         let pivot = *world_from_body.translation();
@@ -54,9 +55,10 @@ impl Motion {
         }
     }
 
-    /// Returns the motion from one pose to another. The origin of the body's frame moves along a
-    /// line at constant speed, and the body turns about it by the smallest angle at constant speed.
-    /// Poses with equal linear parts need not be rigid, because then nothing turns.
+    /// Returns the motion from one pose, at time 0, to another, at time 1. The poses map the body's
+    /// frame to the world frame. The origin of the body's frame moves along a line at constant
+    /// speed, and the body turns about it by the smallest angle at constant speed. Poses with equal
+    /// linear parts need not be rigid, because then nothing turns.
     ///
     /// ```
     /// use impinge::Pose;
@@ -140,7 +142,8 @@ impl Motion {
     /// Times outside [0, 1] count as the nearer end, and NaN as 0.
     ///
     /// # Accuracy
-    /// About 1e-15 of the distances from pivot and origin, for each radian.
+    /// The error of a point is about 1e-15 of its distances from the pivot and the origin, times
+    /// the angle in radians.
     #[must_use]
     pub fn at(&self, t: f64) -> Pose {
         let start = &self.world_from_body_t0;

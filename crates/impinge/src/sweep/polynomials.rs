@@ -2,11 +2,11 @@
 //! along lines.
 //!
 //! Four points x₀..x₃ of a plane have an affine dependency, Σ λᵢ xᵢ = 0 with Σ λᵢ = 0. In the
-//! projection along an axis that is not parallel to the plane, λᵢ is the signed area of the triangle
-//! of the other three points, with alternating signs. Two simplices with these corners intersect if
-//! and only if the λ of one have one sign and those of the other have the opposite sign (Radon
-//! 1921). Let the signs be flipped for the corners of the second simplex. Then a time t is *not* a
-//! time of contact if and only if one of these holds:
+//! projection along an axis that is not parallel to the plane, λᵢ is the signed area of the
+//! triangle of the other three points, with alternating signs. Two simplices with these corners
+//! intersect if and only if the λ of one have one sign and those of the other have the opposite
+//! sign (Radon 1921). Let the signs be flipped for the corners of the second simplex. Then a time t
+//! is *not* a time of contact if and only if one of these holds:
 //!
 //! - the volume of the four points, a cubic in t, is not zero;
 //! - along some axis two of the four areas, quadratics in t, have strictly opposite signs;

@@ -9,8 +9,9 @@ use crate::math::Pose;
 use crate::query::{distance, intersects};
 use crate::shape::{PlacedShape, Shape};
 
-/// Returns the time at which two things first touch when each moves rigidly. They may be meshes, as
-/// surfaces or as solids, shapes or compounds.
+/// Returns the time at which two things first touch when each moves rigidly, as a proved interval.
+/// Time 0 is the start of the motions and 1 their end. They may be meshes, as surfaces or as
+/// solids, shapes or compounds.
 ///
 /// The time is 0 if the things touch or overlap at the start, or if one starts inside the other, a
 /// solid. Things that pass through each other between the start and the end are found.
@@ -59,8 +60,8 @@ use crate::shape::{PlacedShape, Shape};
 /// # Source
 /// Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996, section 2.3. Ours
 /// advances by a proved lower bound on the distance, minus the error of rounded poses, divided by a
-/// proved upper bound on the approach speed of any two points (docs/notes/proof.md, L24; for a shape, the
-/// corners of its box take the place of the vertices).
+/// proved upper bound on the approach speed of any two points (docs/notes/proof.md, L24; for a
+/// shape, the corners of its box take the place of the vertices).
 pub fn time_of_impact(
     a: impl Into<Shape>,
     b: impl Into<Shape>,

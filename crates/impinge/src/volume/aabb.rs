@@ -1,8 +1,8 @@
 //! The axis-aligned bounding box in its min-max form, in single precision (*Notes on Real Time
 //! Collision Detection*, 2.1; Ericson, 4.2).
 
-/// A closed axis-aligned box. The empty box has its corners the wrong way round and is the neutral
-/// element of [`union`](Self::union).
+/// A closed axis-aligned box in single precision. In the empty box every `min` is infinity and
+/// every `max` minus infinity; it is the neutral element of [`union`](Self::union).
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C)]
 pub struct Aabb {
@@ -17,6 +17,7 @@ impl Aabb {
     pub const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
 
     /// Returns the smallest box that holds the points, exactly. Without points the box is empty.
+    /// NaN coordinates are ignored.
     #[inline]
     #[must_use]
     pub fn of_points<const N: usize>(points: [[f32; 3]; N]) -> Self {
@@ -30,7 +31,7 @@ impl Aabb {
         bounds
     }
 
-    /// Returns the smallest box that holds both boxes, exactly.
+    /// Returns the smallest box that holds both boxes, exactly. NaN coordinates are ignored.
     #[inline]
     #[must_use]
     pub fn union(self, other: Self) -> Self {
@@ -42,7 +43,8 @@ impl Aabb {
         bounds
     }
 
-    /// Reports whether the boxes have a point in common. Touching boxes overlap.
+    /// Reports whether the boxes have a point in common, exactly. Touching boxes overlap. A box
+    /// with a NaN coordinate overlaps nothing.
     #[inline]
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {

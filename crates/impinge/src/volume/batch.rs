@@ -78,8 +78,9 @@ impl AabbBatch {
         self.len == 0
     }
 
-    /// Appends the indices of the boxes that overlap this one to `found`, in ascending order. The
-    /// test is exact; touching boxes overlap.
+    /// Appends the indices of the boxes that overlap `one` to `found`, in ascending order. An index
+    /// counts the boxes in the order of [`push`](Self::push). The test is exact; touching boxes
+    /// overlap.
     ///
     /// # Complexity
     /// One pass over memory: 24 bytes and six comparisons per box.
@@ -87,7 +88,7 @@ impl AabbBatch {
         self.overlapping_at(best_level(), one, found);
     }
 
-    /// Does the same as [`overlapping`](Self::overlapping) on the given vector unit. The result
+    /// Does the same as [`overlapping`](Self::overlapping) on the vector unit `level`. The result
     /// does not depend on the vector unit.
     pub fn overlapping_at(&self, level: Level, one: &Aabb, found: &mut Vec<u32>) {
         dispatch!(level, simd => scan(simd, &self.packets, one, found));

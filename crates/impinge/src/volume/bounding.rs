@@ -5,7 +5,7 @@ use crate::input::InputError;
 use crate::math::Pose;
 
 /// A bounding volume: never empty, always finite, and never smaller than the input it was made
-/// from.
+/// from. Points and volumes of one call are in one frame and unit, which the caller chooses.
 pub trait BoundingVolume: Copy + PartialEq + std::fmt::Debug + Send + Sync {
     /// Returns the volume that encloses the points, built by the default construction of its kind.
     ///
@@ -21,14 +21,15 @@ pub trait BoundingVolume: Copy + PartialEq + std::fmt::Debug + Send + Sync {
     fn overlaps(&self, other: &Self) -> bool;
 
     /// Reports whether the point may be inside: `false` is returned only if it is proved outside.
-    /// The boundary counts as inside.
+    /// The boundary counts as inside. The point must be finite; otherwise the answer means nothing.
     fn contains(&self, point: [f64; 3]) -> bool;
 
     /// Returns a volume of the same kind that encloses both.
     #[must_use]
     fn merged(&self, other: &Self) -> Self;
 
-    /// Returns a volume of the same kind that encloses the image of this one under the pose.
+    /// Returns a volume of the same kind, in the world frame, that encloses the image of this one
+    /// under the pose.
     ///
     /// # Errors
     /// Returns [`NotRigid`](crate::input::InputErrorKind::NotRigid) if this kind of volume supports

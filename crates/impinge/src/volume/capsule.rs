@@ -31,8 +31,8 @@ impl Capsule {
     ///
     /// # Errors
     /// Returns [`NonFinite`](crate::input::InputErrorKind::NonFinite) or
-    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) for a bad end or
-    /// radius, and [`Negative`](crate::input::InputErrorKind::Negative) for a negative radius.
+    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) for an invalid end
+    /// or radius, and [`Negative`](crate::input::InputErrorKind::Negative) for a negative radius.
     pub fn new(start: [f64; 3], end: [f64; 3], radius: f64) -> Result<Self, InputError> {
         in_range("capsule end", start.into_iter().chain(end))?;
         lengths_in_range("radius", [radius])?;

@@ -53,7 +53,7 @@ impl CenterRadius {
         self.center
     }
 
-    /// Returns half the lengths along the axes.
+    /// Returns half the lengths of the box along the axes.
     #[must_use]
     pub fn half_extents(&self) -> [f64; 3] {
         self.half_extents

@@ -67,7 +67,8 @@ impl<const D: usize> Kdop<D> {
         directions
     };
 
-    /// Builds the polytope from the lower and upper bounds of n · x.
+    /// Builds the polytope from the lower and upper bounds of n · x for each n of
+    /// [`DIRECTIONS`](Self::DIRECTIONS).
     ///
     /// # Errors
     /// Returns [`NonFinite`](InputErrorKind::NonFinite) or
@@ -110,13 +111,13 @@ impl<const D: usize> Kdop<D> {
         Ok(kdop)
     }
 
-    /// Returns the minimum of n · x for each direction.
+    /// Returns the minimum of n · x for each n of [`DIRECTIONS`](Self::DIRECTIONS).
     #[must_use]
     pub fn low(&self) -> [f64; D] {
         self.low
     }
 
-    /// Returns the maximum of n · x for each direction.
+    /// Returns the maximum of n · x for each n of [`DIRECTIONS`](Self::DIRECTIONS).
     #[must_use]
     pub fn high(&self) -> [f64; D] {
         self.high

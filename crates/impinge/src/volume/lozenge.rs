@@ -37,8 +37,8 @@ impl Lozenge {
     ///
     /// # Errors
     /// Returns [`NonFinite`](crate::input::InputErrorKind::NonFinite) or
-    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) for a bad number,
-    /// and [`Negative`](crate::input::InputErrorKind::Negative) for a negative radius.
+    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) for an invalid
+    /// number, and [`Negative`](crate::input::InputErrorKind::Negative) for a negative radius.
     pub fn new(corner: [f64; 3], edges: [[f64; 3]; 2], radius: f64) -> Result<Self, InputError> {
         in_range("lozenge corner or edge", corner.into_iter().chain(edges.into_iter().flatten()))?;
         lengths_in_range("radius", [radius])?;

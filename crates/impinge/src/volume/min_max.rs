@@ -50,7 +50,7 @@ impl MinMax {
         }
     }
 
-    /// Converts a tree's box, exactly. Returns `None` if it is empty or not finite.
+    /// Converts a box from single precision, exactly. Returns `None` if it is empty or not finite.
     #[must_use]
     pub fn from_aabb(aabb: &Aabb) -> Option<Self> {
         Self::new(aabb.min.map(f64::from), aabb.max.map(f64::from)).ok()

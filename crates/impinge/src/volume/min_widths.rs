@@ -54,7 +54,7 @@ impl MinWidths {
         self.min
     }
 
-    /// Returns the lengths along the axes.
+    /// Returns the lengths of the box along the axes.
     #[must_use]
     pub fn widths(&self) -> [f64; 3] {
         self.widths

@@ -34,11 +34,12 @@ pub struct Obb {
 const _: () = assert!(size_of::<Obb>() == 120);
 
 impl Obb {
-    /// Builds the box from its center, its axes and its half-extents.
+    /// Builds the box from its center, its axes (unit vectors, one per row) and its half-extents
+    /// along them.
     ///
     /// # Errors
     /// Returns [`NonFinite`](InputErrorKind::NonFinite) or
-    /// [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 2^320) for a bad number,
+    /// [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 2^320) for an invalid number,
     /// [`Negative`](InputErrorKind::Negative) for a negative half-extent, and
     /// [`NotRigid`](InputErrorKind::NotRigid) if the axes deviate from orthonormal ones by more
     /// than 2^-40.
@@ -59,7 +60,7 @@ impl Obb {
         self.center
     }
 
-    /// Returns the axes, one per row.
+    /// Returns the axes, one per row: unit vectors up to rounding.
     #[must_use]
     pub fn axes(&self) -> [[f64; 3]; 3] {
         self.axes
@@ -93,7 +94,8 @@ impl Obb {
         Self::of_reach(center, axes, axes.map(reach))
     }
 
-    /// Returns the eight corners, rounded.
+    /// Returns the eight corners, rounded. Bit k of a corner's index is set on the positive side of
+    /// axis k.
     #[must_use]
     pub fn corners(&self) -> [[f64; 3]; 8] {
         std::array::from_fn(|corner| {

@@ -13,12 +13,12 @@ use super::core::{Core, closest_points};
 use super::rounding::{HALF_ULP, add_down, add_up, distance_up, div_down, length_up};
 use crate::math::vec3::{dot, sub};
 
-/// The distance of two sets as a proved interval.
+/// The distance of two sets as a proved interval, in the unit of their coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DistanceBounds {
     /// Lower bound of the distance, never negative.
     pub lower: f64,
-    /// Upper bound of the distance. It is zero if a common point is proved.
+    /// Upper bound of the distance. Zero proves a common point.
     pub upper: f64,
 }
 

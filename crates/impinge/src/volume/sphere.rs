@@ -31,8 +31,8 @@ impl BoundingSphere {
     ///
     /// # Errors
     /// Returns [`NonFinite`](crate::input::InputErrorKind::NonFinite) or
-    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) for a bad number,
-    /// and [`Negative`](crate::input::InputErrorKind::Negative) for a negative radius.
+    /// [`OutOfRange`](crate::input::InputErrorKind::OutOfRange) (beyond 2^320) for an invalid
+    /// number, and [`Negative`](crate::input::InputErrorKind::Negative) for a negative radius.
     pub fn new(center: [f64; 3], radius: f64) -> Result<Self, InputError> {
         in_range("sphere center", center)?;
         lengths_in_range("radius", [radius])?;

@@ -23,7 +23,7 @@ impl BodyId {
         Self { index, generation }
     }
 
-    /// Returns the body's place in the world's arrays.
+    /// Returns the body's slot in the world's arrays.
     pub(super) fn index(self) -> usize {
         self.index as usize
     }
@@ -39,8 +39,8 @@ impl BodyId {
         u64::from(self.index) << 32 | u64::from(self.generation)
     }
 
-    /// Returns the handle of a number that [`to_bits`](Self::to_bits) returned. Any other number
-    /// gives a stale handle or that of some body.
+    /// Returns the handle for a number that [`to_bits`](Self::to_bits) returned. Any other number
+    /// gives a stale handle or the handle of some body.
     #[must_use]
     pub fn from_bits(bits: u64) -> Self {
         Self { index: (bits >> 32) as u32, generation: bits as u32 }
@@ -133,7 +133,8 @@ pub struct Body {
 }
 
 impl Body {
-    /// Returns a moving body with this shape, whose frame is the world frame.
+    /// Returns a [`Moving`](Kind::Moving) body with this shape at the identity pose: its frame is
+    /// the world frame.
     #[must_use]
     pub fn new(shape: Shape) -> Self {
         let (outline, traits) = (Arc::new(Outline::new()), Traits::default());
@@ -158,13 +159,14 @@ impl Body {
         &self.traits
     }
 
-    /// Returns how the body's box follows it.
+    /// Returns how the body's box follows the body when it rotates.
     #[must_use]
     pub fn realignment(&self) -> Realignment {
         self.outline.realignment()
     }
 
-    /// Returns the same body at another pose. The pose is validated when the body is inserted.
+    /// Returns the same body at another pose, which maps the body's frame to the world frame. The
+    /// pose is validated when the body is inserted.
     #[must_use]
     pub fn at(mut self, world_from_body: Pose) -> Self {
         self.world_from_body = world_from_body;

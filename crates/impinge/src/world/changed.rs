@@ -7,20 +7,20 @@ pub enum Change {
     No,
     /// A step moved the body.
     Moved,
-    /// Its pose or its shape was changed by another call than a step, or a step moved a body that
-    /// no box bounds.
+    /// A call other than a step changed the pose or the shape, or a step moved a body that no box
+    /// bounds.
     Place,
-    /// Its traits changed, so pairs must be filtered again.
+    /// The traits changed, so pairs must be filtered again.
     Traits,
 }
 
-/// The change of the body in each place. It is apart from the bodies, because a step reads it for
+/// The change of the body in each slot. It is apart from the bodies, because a step reads it for
 /// every pair.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Changed {
-    /// Change by place. Bodies beyond the end did not change.
+    /// Change by slot. Bodies beyond the end did not change.
     how: Vec<Change>,
-    /// Places of bodies that changed. It may contain places of removed bodies, and places twice.
+    /// Slots of bodies that changed. It may contain slots of removed bodies, and slots twice.
     places: Vec<u32>,
 }
 
@@ -29,13 +29,13 @@ impl Changed {
         self.places.is_empty()
     }
 
-    /// Returns the change of the body in a place.
+    /// Returns the change of the body in a slot.
     #[inline]
     pub(super) fn of(&self, place: u32) -> Change {
         self.how.get(place as usize).copied().unwrap_or(Change::No)
     }
 
-    /// Records a change of the body in a place.
+    /// Records a change of the body in a slot.
     pub(super) fn mark(&mut self, place: u32, change: Change) {
         let at = place as usize;
         if at >= self.how.len() {
@@ -47,14 +47,14 @@ impl Changed {
         self.how[at] = self.how[at].max(change);
     }
 
-    /// Forgets the change of the body in a place, for example because it was removed.
+    /// Forgets the change of the body in a slot, for example because it was removed.
     pub(super) fn forget(&mut self, place: u32) {
         if let Some(how) = self.how.get_mut(place as usize) {
             *how = Change::No;
         }
     }
 
-    /// Takes out the places of the changed bodies, sorted. The changes themselves remain until they
+    /// Takes out the slots of the changed bodies, sorted. The changes themselves remain until they
     /// are forgotten.
     pub(super) fn take(&mut self) -> Vec<u32> {
         let mut places = std::mem::take(&mut self.places);
@@ -79,7 +79,7 @@ mod tests {
         changed.mark(9, Change::No);
         changed.mark(3, Change::Moved);
         changed.forget(3);
-        // Another body in the place of a removed one.
+        // Another body in the slot of a removed one.
         changed.forget(2);
         changed.mark(2, Change::Moved);
         assert_eq!(changed.take(), [2, 5]);

@@ -31,7 +31,7 @@ pub enum WorldError {
         /// Handle of the body.
         body: BodyId,
     },
-    /// All 2^32 - 1 places for bodies are in use, or have used up their handles.
+    /// All 2^32 - 1 slots for bodies are in use, or have used up their handles.
     Full,
 }
 

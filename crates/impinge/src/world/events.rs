@@ -3,7 +3,8 @@
 use super::body::BodyId;
 use crate::query::{Manifold, Proximity};
 
-/// Two bodies. The first has the smaller tag or, if the tags are equal, the smaller handle.
+/// Key of a pair: the tags and handles of two bodies. The first body has the smaller tag or, if the
+/// tags are equal, the smaller handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PairKey {
     /// Tag of the first body.
@@ -16,13 +17,14 @@ pub struct PairKey {
     pub b: BodyId,
 }
 
-/// A pair of bodies that intersect.
+/// A pair of bodies that intersect or may intersect, with its contacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair<'w> {
-    /// The bodies.
+    /// Tags and handles of the two bodies.
     pub key: PairKey,
-    /// Certainty of the intersection. It is always [`Intersects`](Proximity::Intersects) for meshes, boxes
-    /// and hulls, except with [`NarrowPhase::Boxes`](super::NarrowPhase::Boxes).
+    /// Whether the intersection is proved ([`Intersects`](Proximity::Intersects)) or undecided
+    /// ([`Undecided`](Proximity::Undecided)). It is always proved for meshes, boxes and hulls,
+    /// except with [`NarrowPhase::Boxes`](super::NarrowPhase::Boxes).
     pub proximity: Proximity,
     /// Contacts in the world frame, as returned by [`contacts`](crate::query::contacts). Empty if
     /// the world does not compute contacts.
@@ -32,7 +34,7 @@ pub struct Pair<'w> {
 /// The changes of a step. Both lists are sorted, and no pair is in both.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Events {
-    /// Pairs that intersect now and did not before the step.
+    /// Pairs that intersect now and did not before the step. Undecided pairs count as intersecting.
     pub began: Vec<PairKey>,
     /// Pairs that intersected before the step and do not now. A body that was removed appears with
     /// its stale handle.

@@ -30,7 +30,7 @@ impl fmt::Debug for dyn PairFilter {
 }
 
 impl Traits {
-    /// Reports whether kinds, layers and owners of two bodies admit the pair.
+    /// Reports whether kinds, layers and owners of two bodies admit them as a pair.
     #[must_use]
     pub fn admit(&self, other: &Self) -> bool {
         (self.kind == Kind::Moving || other.kind == Kind::Moving)

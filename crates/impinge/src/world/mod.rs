@@ -207,8 +207,8 @@ impl World {
         Ok(self.resident(body)?.clone().into_body())
     }
 
-    /// Returns the box around a body in the world frame. Returns `None` for a half-space, and for a
-    /// body that is empty.
+    /// Returns the box around a body in the world frame. Returns `None` for a body that is empty,
+    /// or that is or contains a half-space.
     ///
     /// # Errors
     /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.
@@ -232,8 +232,8 @@ impl World {
         Ok(())
     }
 
-    /// Sets the pose of a body at once, also of a static body. The next step reports the pairs that
-    /// this changes.
+    /// Sets the pose of a body at once, also of a static body. The pose maps the body's frame to
+    /// the world frame. The next step reports the pairs that this changes.
     ///
     /// # Errors
     /// Returns [`Stale`](WorldError::Stale) if the body is not in the world, and
@@ -262,7 +262,8 @@ impl World {
         Ok(())
     }
 
-    /// Moves the vertices of a body that is a mesh, by [`Mesh::refitted`](crate::Mesh::refitted).
+    /// Moves the vertices of a body that is a mesh to positions in the mesh's frame, by
+    /// [`Mesh::refitted`](crate::Mesh::refitted). Returns how the hierarchy of the mesh has aged.
     /// Other bodies with the same mesh do not change. To deform one mesh for many bodies, refit it
     /// once and call [`set_shape`](Self::set_shape) for each body.
     ///
@@ -325,8 +326,8 @@ impl World {
         self.state.clone_from(&snapshot.0);
     }
 
-    /// Returns the pairs that intersected at the last step, sorted. Pairs of bodies that were
-    /// removed since then are not among them.
+    /// Returns the pairs that intersected at the last step, sorted. Undecided pairs are included.
+    /// Pairs of bodies that were removed since then are not among them.
     ///
     /// # Complexity
     /// O(p + k log k) for k intersecting pairs out of p pairs of overlapping boxes.
@@ -345,7 +346,8 @@ impl World {
         Ok(sorted(entries.filter_map(|entry| self.state.pair(entry)).collect()).into_iter())
     }
 
-    /// Returns the pair of two bodies, or `None` if they did not intersect at the last step.
+    /// Returns the pair of two bodies in any order, or `None` if they did not intersect at the last
+    /// step.
     ///
     /// # Errors
     /// Returns [`Stale`](WorldError::Stale) if one of the bodies is not in the world.

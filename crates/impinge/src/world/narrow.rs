@@ -7,8 +7,8 @@ use crate::query::{self, Manifold, Proximity};
 /// Facts that are computed about pairs whose boxes overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum NarrowPhase {
-    /// None: all pairs whose boxes overlap are reported, as undecided. For coarse triggers, and for
-    /// measuring the broad phase.
+    /// Nothing: all pairs whose boxes overlap are reported, as undecided. For coarse triggers, and
+    /// for measuring the broad phase.
     Boxes,
     /// Whether the bodies intersect.
     Intersections,

@@ -24,7 +24,8 @@ pub enum Realignment {
     /// The box around the rotated box, for any shape. It takes a few nanoseconds, and its edges are
     /// up to √3 times too long.
     Rotated,
-    /// The box around the sphere about the body's origin. Its size never changes.
+    /// The box around a sphere that is centered at the origin of the body's frame and contains the
+    /// body. Its size never changes if the body moves rigidly.
     Loose,
     /// A tight box, computed from all vertices of the convex hull.
     Hull,

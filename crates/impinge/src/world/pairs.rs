@@ -3,19 +3,19 @@
 
 use super::narrow::Meeting;
 
-/// Pairs by number, and the numbers of the pairs of each body.
+/// The candidate pairs by index, and for each body the list of its pairs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pairs {
     entries: Vec<Option<Entry>>,
     free: Vec<u32>,
-    /// Pairs of each body, by the body's place.
+    /// Pairs of each body, by the slot of the body.
     links: Vec<Vec<Link>>,
 }
 
 /// A candidate pair.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
-    /// Places of the bodies, in the order in which they are reported.
+    /// Slots of the bodies, in the order in which they are reported.
     pub(super) bodies: [u32; 2],
     /// Index of the pair in the list of each body.
     places: [u32; 2],
@@ -26,14 +26,14 @@ pub(super) struct Entry {
 /// A pair in the list of one of its bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Link {
-    /// Place of the other body.
+    /// Slot of the other body.
     pub(super) other: u32,
-    /// Number of the pair.
+    /// Index of the pair.
     pub(super) pair: u32,
 }
 
 impl Pairs {
-    /// Adds a pair, which must be new, and returns its number.
+    /// Adds a pair, which must be new, and returns its index.
     pub(super) fn add(&mut self, bodies: [u32; 2]) -> u32 {
         let pair = self.free.pop().unwrap_or_else(|| {
             self.entries.push(None);
@@ -85,7 +85,7 @@ impl Pairs {
         self.entries.get_mut(pair as usize)?.as_mut()
     }
 
-    /// Returns the number of the pair of two bodies, searching the shorter list. Returns `None` if
+    /// Returns the index of the pair of two bodies, searching the shorter list. Returns `None` if
     /// there is no such pair.
     pub(super) fn find(&self, one: u32, other: u32) -> Option<u32> {
         let (of, sought) = if self.of(one).len() <= self.of(other).len() { (one, other) } else { (other, one) };

@@ -12,7 +12,7 @@ use crate::query;
 use crate::shape::Shape;
 use crate::volume::MinMax;
 
-/// A body that a query found.
+/// A body that a query of a [`World`] found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BodyHit {
     /// Tag of the body. Hits are sorted by tags, then by handles.
@@ -22,8 +22,9 @@ pub struct BodyHit {
 }
 
 impl World {
-    /// Returns the bodies whose boxes overlap a box, and the half-spaces that reach into it,
-    /// sorted. Only bodies for which `wanted` returns `true` are considered.
+    /// Returns the bodies whose boxes overlap a box in the world frame, and the half-spaces that
+    /// may reach into it. They are sorted by tag, then by handle. Touching boxes overlap. Only
+    /// bodies for which `wanted` returns `true` are considered.
     ///
     /// Queries see bodies at their current poses: as inserted, as moved by the last step, or as set
     /// since then.
@@ -34,8 +35,10 @@ impl World {
         hits(found.into_iter())
     }
 
-    /// Returns the bodies that intersect a shape at a pose, sorted, decided as for pairs of bodies.
-    /// Only bodies for which `wanted` returns `true` are considered.
+    /// Returns the bodies that intersect a shape at a pose, sorted by tag, then by handle. The pose
+    /// maps the shape's frame to the world frame. Undecided bodies are included, as with
+    /// [`intersects`](crate::query::intersects()). Only bodies for which `wanted` returns `true`
+    /// are considered.
     ///
     /// ```
     /// use impinge::{Pose, shape::Shape, world::{Body, Layers, World}};
@@ -67,8 +70,9 @@ impl World {
         Ok(hits(found.into_iter()))
     }
 
-    /// Returns the bodies that contain a point, sorted. Only bodies for which `wanted` returns
-    /// `true` are considered. A mesh that is not solid contains only the points of its surface.
+    /// Returns the bodies that contain a point of the world frame, sorted by tag, then by handle.
+    /// Only bodies for which `wanted` returns `true` are considered. A mesh that is not solid
+    /// contains only the points of its surface.
     ///
     /// # Errors
     /// Returns an error if a coordinate is not finite, or is 2^128 or more in magnitude.

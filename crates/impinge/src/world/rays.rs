@@ -12,7 +12,7 @@ use crate::partition::Ray;
 use crate::query::{self, Proximity};
 use crate::shape::{Form, PlacedShape, Shape};
 
-/// A point at which a ray hits a body.
+/// First point at which a ray hits a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyRayHit {
     /// Ray parameter: the distance along the ray in multiples of its direction. It is zero if the
@@ -43,9 +43,9 @@ const MAX_STEPS: usize = 64;
 const CONTACT_TOLERANCE: f64 = 1.0 / (1_u64 << 42) as f64;
 
 impl World {
-    /// Returns the first body that a ray hits, out of the bodies for which `wanted` returns `true`.
-    /// If several are hit at the same `t`, returns the body with the smallest tag, then handle.
-    /// Returns `None` if no body is hit.
+    /// Returns the first body that a ray in the world frame hits, out of the bodies for which
+    /// `wanted` returns `true`. If several are hit at the same `t`, returns the body with the
+    /// smallest tag, then handle. Returns `None` if no body is hit.
     ///
     /// ```
     /// use impinge::partition::Ray;
@@ -73,8 +73,8 @@ impl World {
         best
     }
 
-    /// Returns every body that a ray hits, out of the bodies for which `wanted` returns `true`,
-    /// each with its first hit. The hits are sorted by `t`, then by tag and handle.
+    /// Returns every body that a ray in the world frame hits, out of the bodies for which `wanted`
+    /// returns `true`, each with its first hit. The hits are sorted by `t`, then by tag and handle.
     #[must_use]
     pub fn ray_cast_all(&self, ray: &Ray, mut wanted: impl FnMut(&Traits) -> bool) -> Vec<BodyRayHit> {
         let mut hits = Vec::new();

@@ -34,10 +34,10 @@ use crate::query::{ContactPoint, Manifold, Proximity};
 pub struct Record {
     /// Bodies, sorted by handle.
     pub bodies: Vec<RecordedBody>,
-    /// Number of times that each place for a body was taken or freed. It is odd if a body is in the
-    /// place, or if the handles of the place are used up.
+    /// Number of times that each slot for a body was taken or freed. It is odd if a body is in the
+    /// slot, or if the handles of the slot are used up.
     pub generations: Vec<u32>,
-    /// Places that are free; the last one is taken next.
+    /// Slots that are free; the last one is taken next.
     pub free: Vec<u32>,
     /// Pairs of bodies whose boxes overlapped at the last step, sorted.
     pub pairs: Vec<RecordedPair>,
@@ -45,7 +45,7 @@ pub struct Record {
     pub departed: Vec<PairKey>,
 }
 
-/// A body of a [`Record`].
+/// A body in a [`Record`], with its handle and its change since the last step.
 #[derive(Clone, Debug)]
 pub struct RecordedBody {
     /// Handle of the body.
@@ -56,14 +56,15 @@ pub struct RecordedBody {
     pub change: Change,
 }
 
-/// A pair of a [`Record`].
+/// A pair of bodies whose boxes overlapped at the last step, with its contacts if the bodies
+/// intersect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedPair {
     /// Handles of the bodies. The first has the smaller tag or, if the tags are equal, the smaller
     /// handle.
     pub bodies: [BodyId; 2],
-    /// Certainty of the intersection, and the contacts. `None` if the bodies are apart, or were not
-    /// processed yet.
+    /// Whether the intersection is proved or undecided, and the contacts in the world frame. `None`
+    /// if the bodies are apart, or were not processed yet.
     pub meeting: Option<(Proximity, Vec<Manifold>)>,
 }
 
@@ -71,7 +72,7 @@ pub struct RecordedPair {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RecordError {
-    /// Handles, generations and free places contradict each other.
+    /// Handles, generations and free slots contradict each other.
     Places,
     /// A shape cannot be placed at its pose.
     Input {
@@ -148,8 +149,8 @@ impl Snapshot {
         }
     }
 
-    /// Returns the snapshot for a record, for worlds with these options. After it is restored, the
-    /// same steps return the same bytes.
+    /// Returns the snapshot for a record, for worlds with these options. Worlds that restore it
+    /// then return the same bytes for the same steps.
     ///
     /// Results of pairs are not computed again. If they are not those of the last step, the world
     /// reports wrong pairs until their bodies change.

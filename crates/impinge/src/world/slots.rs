@@ -1,4 +1,4 @@
-//! Reusable places for bodies, with handles that distinguish successive bodies in one place.
+//! Reusable slots for bodies, with handles that distinguish successive bodies in one slot.
 
 use super::body::BodyId;
 use crate::simd::prefetch;
@@ -7,15 +7,15 @@ use crate::simd::prefetch;
 #[derive(Clone, Debug)]
 pub(super) struct Slots<T> {
     slots: Vec<Slot<T>>,
-    /// Places that are free; the last one is taken next.
+    /// Slots that are free; the last one is taken next.
     free: Vec<u32>,
     count: usize,
 }
 
 #[derive(Clone, Debug)]
 struct Slot<T> {
-    /// Number of times that the place was taken or freed. It is odd while the place is in use. A
-    /// place that reaches the largest number is never used again.
+    /// Number of times that the slot was taken or freed. It is odd while the slot is in use. A slot
+    /// that reaches the largest number is never used again.
     generation: u32,
     value: Option<T>,
 }
@@ -27,8 +27,7 @@ impl<T> Default for Slots<T> {
 }
 
 impl<T> Slots<T> {
-    /// Stores a value in a free place and returns its handle, or `None` if there are no more
-    /// places.
+    /// Stores a value in a free slot and returns its handle, or `None` if there are no more slots.
     pub(super) fn insert(&mut self, value: T) -> Option<BodyId> {
         if let Some(index) = self.free.pop() {
             let slot = &mut self.slots[index as usize];
@@ -48,7 +47,7 @@ impl<T> Slots<T> {
         let slot = &mut self.slots[id.index()];
         let value = slot.value.take();
         self.count -= 1;
-        // The largest generation is odd. A place that has reached it is not freed.
+        // The largest generation is odd. A slot that has reached it is not freed.
         if let Some(next) = slot.generation.checked_add(1) {
             slot.generation = next;
             self.free.push(id.index() as u32);
@@ -73,26 +72,26 @@ impl<T> Slots<T> {
         slot.value.as_mut()
     }
 
-    /// Returns the value in a place, and its handle.
+    /// Returns the value in a slot, and its handle.
     pub(super) fn at(&self, index: u32) -> Option<(BodyId, &T)> {
         let slot = self.slots.get(index as usize)?;
         Some((BodyId::new(index, slot.generation), slot.value.as_ref()?))
     }
 
-    /// Returns all values with their handles, by place.
+    /// Returns all values with their handles, by slot.
     pub(super) fn iter(&self) -> impl Iterator<Item = (BodyId, &T)> {
         (0..self.slots.len() as u32).filter_map(|index| self.at(index))
     }
 
-    /// Returns the generations of all places, and the list of free places.
+    /// Returns the generations of all slots, and the list of free slots.
     pub(super) fn places(&self) -> (Vec<u32>, Vec<u32>) {
         (self.slots.iter().map(|slot| slot.generation).collect(), self.free.clone())
     }
 
-    /// Returns the given values in places with these generations, or `None` if the arguments
+    /// Returns the given values in slots with these generations, or `None` if the arguments
     /// contradict each other.
     pub(super) fn of(generations: &[u32], free: &[u32], values: Vec<(BodyId, T)>) -> Option<Self> {
-        // One place fewer than there are numbers, because the largest number is not a place.
+        // One slot fewer than there are numbers, because the largest number is not a slot.
         let is_countable = u32::try_from(generations.len()).is_ok_and(|count| count < u32::MAX);
         let mut slots: Vec<Slot<T>> = generations.iter().map(|&generation| Slot { generation, value: None }).collect();
         let count = values.len();

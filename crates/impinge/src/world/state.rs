@@ -15,10 +15,10 @@ use super::slots::Slots;
 #[derive(Clone, Debug, Default)]
 pub(super) struct State {
     pub(super) residents: Slots<Resident>,
-    /// Bounds of the body in each place. They are apart from the bodies, because a step reads them
+    /// Bounds of the body in each slot. They are apart from the bodies, because a step reads them
     /// for every pair.
     pub(super) bounds: Vec<Bounds>,
-    /// Places of bodies that no box bounds.
+    /// Slots of bodies that no box bounds.
     pub(super) unbounded: Vec<u32>,
     pub(super) broad: Broad,
     pub(super) pairs: Pairs,
@@ -51,13 +51,13 @@ impl State {
         self.changed.mark(body.index() as u32, Change::Place);
     }
 
-    /// Returns the bounds of the body in a place.
+    /// Returns the bounds of the body in a slot.
     #[inline]
     pub(super) fn bounds_of(&self, place: u32) -> &Bounds {
         self.bounds.get(place as usize).unwrap_or(&Bounds::Nowhere)
     }
 
-    /// Stores new bounds of the body in a place and returns the old ones. Does not update the broad
+    /// Stores new bounds of the body in a slot and returns the old ones. Does not update the broad
     /// phase.
     pub(super) fn replace_bounds(&mut self, place: u32, bounds: Bounds) -> Bounds {
         let at = place as usize;
@@ -67,7 +67,7 @@ impl State {
         std::mem::replace(&mut self.bounds[at], bounds)
     }
 
-    /// Stores new bounds of the body in a place, and updates the broad phase.
+    /// Stores new bounds of the body in a slot, and updates the broad phase.
     pub(super) fn update_bounds(&mut self, place: u32, bounds: Bounds) {
         let before = self.replace_bounds(place, bounds);
         self.update_structures(place, &before, &bounds);
@@ -99,7 +99,7 @@ impl State {
         true
     }
 
-    /// Returns the key of a pair, given the places of its bodies.
+    /// Returns the key of a pair, given the slots of its bodies.
     pub(super) fn key(&self, [a, b]: [u32; 2]) -> Option<PairKey> {
         let ((a, resident_a), (b, resident_b)) = (self.residents.at(a)?, self.residents.at(b)?);
         Some(PairKey { tag_a: resident_a.traits.tag, tag_b: resident_b.traits.tag, a, b })

@@ -41,8 +41,8 @@ pub enum Phase {
 }
 
 impl World {
-    /// Moves bodies and returns the pairs that began and ended. Bodies that are not named keep
-    /// their poses. If a body is named several times, its last pose counts.
+    /// Moves bodies to poses in the world and returns the pairs that began and ended. Bodies that
+    /// are not named keep their poses. If a body is named several times, its last pose counts.
     ///
     /// ```
     /// # use impinge::{Pose, shape::Shape, world::{Body, World}};
@@ -231,7 +231,7 @@ impl World {
         (lost, found)
     }
 
-    /// Reports whether the bodies in two places are admitted as a pair.
+    /// Reports whether the bodies in two slots are admitted as a pair.
     fn may_collide(&self, one: u32, other: u32) -> bool {
         let residents = &self.state.residents;
         let (Some(one), Some(other)) = (residents.at(one), residents.at(other)) else { return false };
@@ -239,7 +239,7 @@ impl World {
         if is_before { self.admits(one, other) } else { self.admits(other, one) }
     }
 
-    /// Reports whether the body in one place is reported before the body in another place.
+    /// Reports whether the body in one slot is reported before the body in another slot.
     fn is_before(&self, one: u32, other: u32) -> bool {
         let key = |index| self.state.residents.at(index).map(|(id, resident)| (resident.traits.tag, id));
         key(one) < key(other)
@@ -323,8 +323,8 @@ struct Search<'w> {
 }
 
 impl Search<'_> {
-    /// Reports whether pairs of the body in this place must be searched for. If not, the broad
-    /// phase has reported them.
+    /// Reports whether pairs of the body in this slot must be searched for. If not, the broad phase
+    /// has reported them.
     fn asks(&self, index: u32) -> bool {
         let change = self.world.state.changed.of(index);
         match self.known {
@@ -337,9 +337,9 @@ impl Search<'_> {
     /// Adds the pairs of a changed body that ended to `lost` and those that began to `found`.
     ///
     /// Each pair is handled by one of its bodies. If both bodies search, or if both changed and do
-    /// not search, the body in the smaller place handles it. If one body searches, that body
-    /// handles it. The broad phase has reported new pairs of two bodies that do not search, unless
-    /// one of them has no bounding box.
+    /// not search, the body in the smaller slot handles it. If one body searches, that body handles
+    /// it. The broad phase has reported new pairs of two bodies that do not search, unless one of
+    /// them has no bounding box.
     fn of(&self, index: u32, lost: &mut Vec<u32>, found: &mut Vec<[u32; 2]>) {
         let state = &self.world.state;
         let (asks, links) = (self.asks(index), state.pairs.of(index));

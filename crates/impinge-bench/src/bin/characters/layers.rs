@@ -65,7 +65,8 @@ impl PosedLayers<'_> {
         self.groups.iter_mut().for_each(|group| group.set_at(pose, origin));
     }
 
-    /// Returns the parameter at which a ray enters the first volume, or `None` if it hits none.
+    /// Returns the parameter at which a ray enters the first volume, in units of the direction's
+    /// length, or `None` if it hits none.
     fn ray_cast(&self, arrangement: Arrangement, ray: &Ray) -> Option<f64> {
         let of_group = |group: &Posed<'_>| group.ray_cast(ray).map(|hit| hit.t);
         match arrangement {

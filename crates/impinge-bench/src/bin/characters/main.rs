@@ -128,7 +128,7 @@ fn kinds(rig: &Rig) -> Result<()> {
     Ok(())
 }
 
-/// Character of a crowd. It stays in place and plays an animation.
+/// A character of a crowd. It stays in place and plays an animation.
 struct Member {
     animation: usize,
     offset: f64,
@@ -136,14 +136,14 @@ struct Member {
 }
 
 impl Member {
-    /// Returns the time of its animation in a frame.
+    /// Returns the time in the member's animation at a frame, in seconds.
     fn time(&self, rig: &Rig, frame: usize) -> f64 {
         let [start, end] = rig.animations()[self.animation].span();
         start + (frame as f64 / 60.0 + self.offset) % (end - start)
     }
 }
 
-/// Returns a crowd on a square, and the side of the square.
+/// Returns a crowd on a square, and the side of the square in meters.
 fn members(rig: &Rig, count: usize) -> (Vec<Member>, f64) {
     let mut random = Rng::new(3);
     // About 40 square meters each, so that many touch one other character, and few touch more.

@@ -1,4 +1,4 @@
-//! Mesh against itself moved, and its intersecting pairs.
+//! A mesh and its moved copy, with their intersecting pairs.
 
 use std::path::Path;
 
@@ -16,16 +16,16 @@ use impinge_testkit::generate::knots::{TREFOIL, bumpy_sphere, stadium, torus_kno
 const REAL: [(&str, &str); 3] =
     [("human", "meshes/human_makehuman_cc0.ply"), ("bunny", "meshes/stanford-bunny.obj"), ("igea", "meshes/igea.ply")];
 
-/// Mesh against itself moved by `pose`.
+/// A mesh and its copy moved by `pose`.
 pub(crate) struct Question {
     pub(crate) name: &'static str,
     triangles: Vec<Corners>,
     pub(crate) boxes: Vec<Aabb>,
-    /// Tight boxes of the moved triangles.
+    /// Box of each moved triangle, tight to within rounding.
     moved_boxes: Vec<Aabb>,
     pub(crate) pose: Pose,
     placement: Placement,
-    /// Pairs found by the library, sorted.
+    /// Intersecting pairs (face, face of the copy) found by the library, sorted.
     pub(crate) pairs: Vec<[u32; 2]>,
 }
 
@@ -48,7 +48,8 @@ impl Question {
         Ok(all)
     }
 
-    /// Returns a real mesh turned about the middle of its box, and shifted by 10 % of it.
+    /// Returns a real mesh whose copy is rotated about the center of its box, and moved by 10 % of
+    /// the box.
     fn of_file(name: &'static str, path: &Path) -> Result<Self> {
         let surface = Surface::load(path)?;
         let [low, high] = surface.bounds();

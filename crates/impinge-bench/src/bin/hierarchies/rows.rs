@@ -12,7 +12,7 @@ use crate::question::Question;
 /// Maximum number of builds, because builds are slow and their times vary little.
 const MOST_BUILDS: usize = 3;
 
-/// Number of runs.
+/// Number of runs of each traversal.
 pub(crate) struct Runs {
     pub(crate) repeats: usize,
 }
@@ -20,7 +20,7 @@ pub(crate) struct Runs {
 pub(crate) const BUILDER_HEADINGS: [&str; 9] =
     ["builder", "build", "SAH", "overlap", "depth", "leaves full", "N_V", "N_P", "all pairs"];
 
-/// Measures a builder, by the tree of boxes that queries would descend.
+/// Measures a builder, by a tree of boxes as queries use it.
 pub(crate) fn builder(question: &Question, builder: Builder, runs: &Runs) -> Result<[String; 9]> {
     let build = Samples::take(runs.repeats.min(MOST_BUILDS), || {
         anyhow::Ok(processor_timed(|| builder.build(&question.boxes)).0)
@@ -44,7 +44,7 @@ pub(crate) fn builder(question: &Question, builder: Builder, runs: &Runs) -> Res
 
 pub(crate) const DEGREE_HEADINGS: [&str; 6] = ["degree", "bytes a triangle", "N_V", "N_P", "N_U", "all pairs"];
 
-/// Measures a degree, by its tree of boxes.
+/// Measures a number of children per node, by a tree of boxes.
 pub(crate) fn degree<const DEGREE: usize>(question: &Question, runs: &Runs) -> Result<[String; 6]> {
     let binary = Builder::BinnedSah.build_with_leaves_of(1, &question.boxes);
     let tree = question.tree::<Aabb, DEGREE>(&binary, Enclosure::Wrapped)?;
@@ -62,8 +62,8 @@ pub(crate) fn degree<const DEGREE: usize>(question: &Question, runs: &Runs) -> R
 pub(crate) const VOLUME_HEADINGS: [&str; 11] =
     ["volume", "fit", "bytes", "N_V", "N_P", "N_U", "C_V", "C_P", "C_U", "T", "all pairs"];
 
-/// Measures a volume, by a binary tree of it. `T` is the time predicted by the counts and the unit
-/// costs.
+/// Measures a kind of volume, by a binary tree of such volumes. `T` is the time that the counts and
+/// the unit costs predict.
 pub(crate) fn volume<V: NodeVolume>(
     question: &Question,
     name: &str,
@@ -94,8 +94,8 @@ pub(crate) fn volume<V: NodeVolume>(
     ])
 }
 
-/// Returns the counted work of a tree for all pairs, and the minimum time of some runs in seconds.
-/// Each answer is checked.
+/// Returns the counted work of a tree to find all pairs, and the minimum time of some runs in
+/// seconds. Each answer is checked.
 fn ask<V: NodeVolume, const DEGREE: usize>(
     question: &Question,
     tree: &GenericTree<V, DEGREE>,

@@ -1,4 +1,5 @@
-//! All boxes move, and all pairs are reported.
+//! Benchmark: all boxes move in each step, and all overlapping pairs are reported. Times
+//! `ColumnSweep`, parry3d's tree and, for few boxes, `BoxTree`.
 
 use std::hint::black_box;
 
@@ -12,17 +13,17 @@ use parry3d::partitioning::{Bvh, BvhWorkspace};
 
 use crate::scenes::{for_parry, nudged};
 
-/// Maximum number of boxes for our tree, which is not made for this.
+/// Maximum number of boxes for `BoxTree`, which is slow if all boxes move.
 const MOST_FOR_TREE: usize = 10_000;
 
-/// Maximum number of boxes for parry's tree, which takes gigabytes.
+/// Maximum number of boxes for parry3d's tree. More boxes would take gigabytes.
 const MOST_FOR_PARRY: usize = 1_000_000;
 
-/// Number of boxes for which the number of steps is as given. More boxes get fewer steps, and fewer
-/// boxes get more.
+/// Number of boxes that run exactly the requested number of steps. Within limits, the number of
+/// steps is inversely proportional to the number of boxes.
 const USUAL: usize = 300_000;
 
-/// Times of a step.
+/// Times of a step for one number of boxes, by engine, and the number of pairs after the last step.
 pub(crate) struct Row {
     boxes: usize,
     pairs: usize,
@@ -31,7 +32,11 @@ pub(crate) struct Row {
     tree: Option<Samples>,
 }
 
-/// Times the sweep of columns and parry's tree on the same frames.
+/// Times all engines on the same steps, for each number of boxes in `counts`. `draw` makes the
+/// boxes.
+///
+/// # Errors
+/// Returns an error if the engines find different pairs.
 pub(crate) fn compare(
     draw: impl Fn(usize, &mut Rng) -> Vec<MinMax>,
     counts: &[usize],
@@ -82,6 +87,7 @@ fn row(mut boxes: Vec<MinMax>, steps: usize) -> Result<Row> {
     Ok(Row { boxes: count, pairs: pairs.len(), columns, parry: samples(theirs)?, tree: samples(trees)? })
 }
 
+/// Prints a table of the minimum and median times of a step.
 pub(crate) fn print(what: &str, rows: &[Row]) {
     println!("all boxes move: {what}, a step");
     let mut table = Table::new(["boxes", "pairs", "columns", "median", "parry3d", "median", "ratio of least", "tree"]);
@@ -112,7 +118,7 @@ pub(crate) fn json(rows: &[Row]) -> Vec<serde_json::Value> {
         .collect()
 }
 
-/// parry's tree and its workspace.
+/// Tree of parry3d with its workspace.
 pub(crate) struct Parry {
     tree: Bvh,
     workspace: BvhWorkspace,
@@ -127,8 +133,8 @@ impl Parry {
         parry
     }
 
-    /// Returns the time to move all boxes and find all pairs, in seconds, and the pairs, each with
-    /// the smaller key first.
+    /// Moves all boxes and finds all pairs. Returns the processor time in seconds, and the pairs,
+    /// each with the smaller key first.
     fn step(&mut self, boxes: &[MinMax]) -> (f64, Vec<[u32; 2]>) {
         let boxes: Vec<_> = boxes.iter().map(for_parry).collect();
         let Self { tree, workspace } = self;

@@ -1,4 +1,5 @@
-//! One box in a thousand moves, and the changed pairs are reported.
+//! Benchmark: one box in a thousand moves in each step, and the changed pairs are reported. Times
+//! grids and trees.
 
 use std::hint::black_box;
 
@@ -11,13 +12,17 @@ use impinge_testkit::generate::Rng;
 
 use crate::scenes::{like, nudged};
 
-/// Number of boxes per box that moves.
+/// Number of boxes divided by the number of boxes that move in a step.
 const SHARE: usize = 1000;
 
-/// Size of cells. Boxes are 1 on average; cells are larger, so that most cells fit in one cache
+/// Edge length of a cell. Boxes are 1 long on average. This size keeps most cells within one cache
 /// line.
 const CELL: f64 = 1.75;
 
+/// Times steps of `count` boxes, and checks one step of each partition.
+///
+/// # Errors
+/// Returns an error if a partition reports other changes than expected.
 pub(crate) fn compare(count: usize, steps: usize) -> Result<()> {
     println!("one in {SHARE} of {count} boxes moves, a step that reports the pairs that began and ended");
     let mut rng = Rng::new(17);

@@ -18,9 +18,13 @@ use crate::scenes::like;
 /// Number of queries per run.
 const ASKED: usize = 10_000;
 
-/// Number of runs of each. The minimum time counts.
+/// Number of runs of each query. The minimum time counts.
 const RUNS: usize = 5;
 
+/// Times queries on `count` boxes and on `count` points.
+///
+/// # Errors
+/// Returns an error if two answers differ.
 pub(crate) fn compare(count: usize) -> Result<()> {
     boxes(count)?;
     points(count)
@@ -72,7 +76,8 @@ fn boxes(count: usize) -> Result<()> {
     Ok(())
 }
 
-/// Times the nearest point. All agree on the sum of the smallest squared distances.
+/// Times queries of the nearest point. All engines must agree on the sum of the smallest squared
+/// distances.
 fn points(count: usize) -> Result<()> {
     println!("the nearest of {count} points, a question");
     let mut rng = Rng::new(20);
@@ -109,7 +114,7 @@ fn points(count: usize) -> Result<()> {
     Ok(())
 }
 
-/// Returns the number of boxes that rstar finds.
+/// Returns the number of boxes that overlap `bounds` according to rstar.
 fn met(tree: &RTree<GeomWithData<Rectangle<[f64; 3]>, u32>>, bounds: &MinMax) -> usize {
     tree.locate_in_envelope_intersecting(AABB::from_corners(bounds.min(), bounds.max())).count()
 }

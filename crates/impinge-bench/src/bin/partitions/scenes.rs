@@ -1,11 +1,11 @@
-//! Boxes at rest and moving, with numbers that both precisions hold.
+//! Random boxes and their moves. All coordinates are exact in single precision.
 
 use impinge::volume::MinMax;
 use impinge_testkit::generate::Rng;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 
-/// Maximum move of a box per step along each axis: 10 % of its size.
+/// Maximum move of a box per step along each axis, relative to its size.
 const STEP: f64 = 0.1;
 
 /// Returns a box with corners rounded to single precision.
@@ -36,14 +36,14 @@ pub(crate) fn pareto(count: usize, rng: &mut Rng) -> Vec<MinMax> {
         .collect()
 }
 
-/// Returns a box one step later.
+/// Returns a box after one random move.
 pub(crate) fn nudged(bounds: &MinMax, rng: &mut Rng) -> MinMax {
     let shift = [0; 3].map(|_: i32| rng.uniform(-STEP, STEP));
     let (min, max) = (bounds.min(), bounds.max());
     rounded([0, 1, 2].map(|k| min[k] + shift[k]), [0, 1, 2].map(|k| max[k] - min[k]))
 }
 
-/// Returns the same box in single precision.
+/// Returns the same box for parry3d, in single precision.
 pub(crate) fn for_parry(bounds: &MinMax) -> Aabb {
     let [low, high] = [bounds.min(), bounds.max()].map(|corner| {
         let [x, y, z] = corner.map(|x| x as f32);

@@ -1,4 +1,4 @@
-//! Times of all broad phases in many scenes.
+//! Benchmark: times of all broad phases in many scenes.
 
 use anyhow::{Result, ensure};
 use impinge::Pose;
@@ -9,7 +9,7 @@ use impinge_testkit::generate::Rng;
 
 use crate::scenes::{boxed, size};
 
-/// Kinds and their names.
+/// Broad phases and their names in the table.
 const KINDS: [(BroadPhase, &str); 7] = [
     (BroadPhase::Auto, "auto"),
     (BroadPhase::Every, "every"),
@@ -20,13 +20,17 @@ const KINDS: [(BroadPhase, &str); 7] = [
     (BroadPhase::ThreeAxes, "three axes"),
 ];
 
-/// Time of a step in seconds above which a kind is skipped for larger scenes. Ten times as many
-/// bodies would take seconds.
+/// Time of a step, in seconds, above which a broad phase is skipped for larger scenes. With ten
+/// times as many bodies it would take seconds.
 const HOPELESS: f64 = 0.05;
 
-/// Total time of the measured steps in seconds. The minimum counts, after at least three steps.
+/// Total time of the measured steps in seconds. At least three steps run, and the minimum counts.
 const MEASURED: f64 = 0.05;
 
+/// Prints the times of a step for numbers of bodies up to `most`.
+///
+/// # Errors
+/// Returns an error if two broad phases find different pairs.
 pub(crate) fn compare(most: usize) -> Result<()> {
     let mut table = Table::new([
         "bodies",
@@ -68,10 +72,10 @@ pub(crate) fn compare(most: usize) -> Result<()> {
         }
     }
     println!("{table}least time of a step, boxes only; -: left out, as it takes seconds");
-    Ok(())
+    table.record("", 3)
 }
 
-/// Returns the minimum time of a step, and the pairs after three steps.
+/// Returns the minimum time of a step in seconds, and the pairs after three steps.
 fn step_time(broad_phase: BroadPhase, count: usize, share: f64, is_spread: bool) -> Result<(f64, Vec<PairKey>)> {
     let mut rng = Rng::new(9);
     let reach = (count as f64).cbrt();

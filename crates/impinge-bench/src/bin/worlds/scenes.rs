@@ -1,4 +1,4 @@
-//! Boxes in a cube.
+//! Random boxes in a cube.
 
 use anyhow::Result;
 use impinge::Pose;

@@ -19,8 +19,8 @@ pub(crate) type Seen = [f64; 3];
 const MARGIN: f64 = 0.04;
 
 impl Camera {
-    /// Builds a camera that shows all boxes, given by their (minimum, maximum) corners. The longer
-    /// side of the picture has `longer_side` pixels.
+    /// Builds a camera that shows all boxes, given by their (minimum, maximum) corners in the mesh
+    /// frame. The longer side of the picture has `longer_side` pixels.
     pub(crate) fn around(boxes: &[[[f64; 3]; 2]], up: usize, longer_side: u32) -> Self {
         // View from the front right, turned by less than 45 degrees, so that no two edges of a box
         // hide each other.
@@ -62,7 +62,7 @@ impl Camera {
         camera
     }
 
-    /// Returns the directions that point right and down in the picture.
+    /// Returns the unit vectors of the mesh frame that point right and down in the picture.
     pub(crate) fn right_and_down(&self) -> [[f64; 3]; 2] {
         [self.axes[0], self.axes[1]]
     }
@@ -72,7 +72,7 @@ impl Camera {
         self.size
     }
 
-    /// Projects a point into the picture.
+    /// Projects a point of the mesh frame into the picture.
     pub(crate) fn project(&self, point: [f64; 3]) -> Seen {
         let seen = self.along_axes(std::array::from_fn(|axis| (point[axis] - self.center[axis]) * self.scale));
         [seen[0] + 0.5 * f64::from(self.size[0]), seen[1] + 0.5 * f64::from(self.size[1]), seen[2]]

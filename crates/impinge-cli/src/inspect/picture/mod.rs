@@ -28,7 +28,7 @@ pub(super) enum PictureFormat {
 }
 
 impl PictureFormat {
-    /// Returns the format that the extension stands for.
+    /// Returns the format that the extension of a path names.
     ///
     /// # Errors
     /// Returns an error if the extension is neither `.png` nor `.svg`.

@@ -47,7 +47,7 @@ impl DynamicTree {
         self.bvh.root().is_none()
     }
 
-    /// Returns the box with this number; `None` if there is no such box.
+    /// Returns the box with this number, or `None` if there is no such box.
     #[must_use]
     pub fn get(&self, number: u32) -> Option<&Aabb> {
         self.bvh.leaf_of(number).map(|leaf| &self.bvh.node(leaf).bounds)
@@ -65,7 +65,7 @@ impl DynamicTree {
         number
     }
 
-    /// Removes a box and returns it; `None` if there is no box with this number.
+    /// Removes a box and returns it, or `None` if there is no box with this number.
     ///
     /// # Complexity
     /// A bounded number of steps.
@@ -75,8 +75,8 @@ impl DynamicTree {
         Some(bounds)
     }
 
-    /// Gives a box other bounds, moves it to its best place, and returns its bounds before; `None`
-    /// if there is no box with this number.
+    /// Gives a box other bounds, which must not be empty, and moves its leaf where the tree grows
+    /// least. Returns its previous bounds, or `None` if there is no box with this number.
     ///
     /// # Complexity
     /// A bounded number of steps.
@@ -99,8 +99,8 @@ impl DynamicTree {
         );
     }
 
-    /// Returns the neutral tree of the boxes, with at most `capacity` boxes in a leaf. Its order
-    /// lists their numbers.
+    /// Returns the boxes as a [`BinaryTree`] with at most `capacity` boxes in a leaf. `capacity` is
+    /// clamped to 1 to [`LEAF_CAPACITY`]. The order of the tree lists the numbers of the boxes.
     #[must_use]
     pub fn to_binary(&self, capacity: usize) -> BinaryTree {
         let Some(root) = self.bvh.root() else { return BinaryTree::default() };

@@ -123,8 +123,8 @@ impl Builder {
         }
     }
 
-    /// Builds the tree of these boxes. No box may be empty or infinite. The tree is the same for
-    /// any number of threads.
+    /// Builds the tree of these boxes; without boxes it has no nodes. No box may be empty or
+    /// infinite. The tree is the same for any number of threads.
     ///
     /// # Complexity
     /// O(n log n), depth at most [`MAX_DEPTH`](super::MAX_DEPTH), for any input: equal, nested or

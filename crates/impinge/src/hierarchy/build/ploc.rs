@@ -4,9 +4,9 @@
 //! Source: Meister, Bittner, *Parallel locally-ordered clustering for bounding volume hierarchy
 //! construction*, TVCG 2018. It searches neighbors among those next along a space-filling curve, in
 //! the order of the default builder. Ours departs in two ways, without which a round would join
-//! only one pair of equal or nested boxes. Ties go to the neighbor whose place differs in the
-//! lowest bits, so that places 2i and 2i + 1 choose each other. If a round would join too few
-//! clusters, it joins all places 2i and 2i + 1 instead.
+//! only one pair of equal or nested boxes. Ties go to the neighbor whose index differs in the
+//! lowest bits, so that clusters 2i and 2i + 1 choose each other. If a round would join too few
+//! clusters, it joins all clusters 2i and 2i + 1 instead.
 
 use rayon::prelude::*;
 
@@ -56,7 +56,7 @@ struct Cluster {
     node: u32,
 }
 
-/// Returns for each cluster the place of the cluster with which it has the smallest common box.
+/// Returns for each cluster the index of the cluster with which it has the smallest common box.
 fn partners(clusters: &[Cluster]) -> Vec<usize> {
     let nearest = |at: usize| {
         let mut best = (f64::INFINITY, usize::MAX, at);

@@ -27,9 +27,10 @@ const MIN_GAIN: f64 = 2e-3;
 /// Maximum number of nodes that a search visits. Beyond it, a search seldom finds a better place.
 const MAX_VISITED: usize = 512;
 
-/// Moves subtrees to reduce the sum of the surface areas of the inner boxes, which never increases.
-/// The result is the same for any number of threads. Sibling leaves are joined if together they
-/// hold at most `capacity` boxes.
+/// Returns the tree with subtrees moved to reduce the sum of the surface areas of the inner boxes,
+/// which never increases. `boxes` must be the boxes from which the tree was built. The result is
+/// the same for any number of threads. Sibling leaves are joined if together they hold at most
+/// `capacity` boxes. `capacity` is clamped to 1 to [`LEAF_CAPACITY`].
 ///
 /// # Complexity
 /// A search of bounded length for each node, a bounded number of times, and O(n log n).

@@ -6,8 +6,8 @@ pub(in crate::hierarchy) const MAX_ROWS: usize = 1 << 13;
 /// Maximum number of nested planes that split a run. Medians split the runs that are left.
 pub(in crate::hierarchy) const MAX_PLANES: u32 = 7;
 
-/// Number of places in a column: room for all rows, and for whole vectors behind them. The number
-/// is such that columns are not a multiple of 4 KiB apart, because a processor at first takes such
+/// Number of slots in a column: room for all rows, and for whole vectors behind them. The number is
+/// such that columns are not a multiple of 4 KiB apart, because a processor at first takes such
 /// addresses for the same.
 pub(super) const ROOM: usize = 2 * MAX_ROWS + (MAX_TOGETHER << MAX_PLANES) + 560;
 
@@ -27,7 +27,7 @@ pub(in crate::hierarchy) struct Run {
     /// Number of rows of the cluster that come before the run.
     pub(in crate::hierarchy) start: usize,
     pub(in crate::hierarchy) len: usize,
-    /// The place of the run's first row. There is room for twice as many rows, and for one more
+    /// The slot of the run's first row. There is room for twice as many rows, and for one more
     /// vector for each part that planes can split off.
     pub(super) at: usize,
     /// Maximum number of planes that may still split it.
@@ -47,7 +47,7 @@ impl Run {
         (Self { len: low, planes: 0, ..self }, self.high(low, self.at + 2 * low, 0))
     }
 
-    /// Returns the run of the rows from `low` on, which lie at place `at`.
+    /// Returns the run of the rows from `low` on, which start at slot `at`.
     pub(super) fn high(self, low: usize, at: usize, planes: u32) -> Self {
         Self { start: self.start + low, len: self.len - low, at, planes }
     }

@@ -10,8 +10,8 @@ use fearless_simd::{Simd, i16x8, i16x32};
 
 use super::layout::{ROOM, Run, SIXTEEN, WIDTH};
 
-/// The place of the next rows to read, and the places where the rows of either part go. These
-/// places are never ahead of the unread rows of the run.
+/// The slot of the next rows to read (`at`), and the slots to which the next rows of either part
+/// go. No slot that is written lies among the unread rows of the run.
 pub(super) struct Parting {
     pub(super) at: usize,
     pub(super) low: usize,
@@ -35,7 +35,7 @@ impl Parting {
     }
 
     /// Moves all rows up to `end`, as many at a time as one instruction or shuffle can compress.
-    /// The places behind them, up to [`MAX_TOGETHER`](super::layout::MAX_TOGETHER), must hold
+    /// The slots behind them, up to [`MAX_TOGETHER`](super::layout::MAX_TOGETHER), must hold
     /// coordinates beyond the interval. Either part must have room for as many more.
     #[inline(always)]
     pub(super) fn put_all<S: Simd>(self, simd: S, columns: &mut [[i16; ROOM]; WIDTH], end: usize, cut: Cut) {

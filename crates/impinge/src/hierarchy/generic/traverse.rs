@@ -19,8 +19,9 @@ struct Task<V> {
 
 impl<V: NodeVolume, const DEGREE: usize> GenericTree<V, DEGREE> {
     /// Visits all pairs of an item of this tree and an item of the guest whose leaves have
-    /// overlapping volumes, with the guest transformed by the pose. Each pair is visited once, in
-    /// no particular order. All pairs of items with a common point are among them.
+    /// overlapping volumes. Returns the numbers of operations. The pose maps the guest's frame to
+    /// the frame of this tree. Each pair is visited once, in no particular order. All pairs of
+    /// items with a common point are among them.
     pub fn pairs(&self, guest: &Self, self_from_guest: &Pose, visit: impl FnMut(u32, u32)) -> Counters {
         let mut descent = Descent { host: self, guest, pose: self_from_guest, visit, work: Counters::default() };
         dispatch!(best_level(), simd => {
@@ -31,7 +32,8 @@ impl<V: NodeVolume, const DEGREE: usize> GenericTree<V, DEGREE> {
     }
 
     /// Visits all pairs of different items in the same leaf, or in two leaves with overlapping
-    /// volumes. Each pair is visited once, in no particular order of pairs or within them.
+    /// volumes. Returns the numbers of operations. Each pair is visited once, in no particular
+    /// order of pairs or within them.
     pub fn self_pairs(&self, mut visit: impl FnMut(u32, u32)) -> Counters {
         let mut within = vec![0_u32; usize::from(!self.nodes.is_empty())];
         let mut work = Counters::default();

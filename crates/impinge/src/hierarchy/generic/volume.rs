@@ -20,14 +20,14 @@ pub trait NodeVolume: Copy + Debug + Send + Sync {
     #[must_use]
     fn merged(&self, other: &Self) -> Self;
 
-    /// Returns a volume that contains the image of this one. Returns `None` if the image cannot be
-    /// bounded, and so overlaps everything.
+    /// Returns a volume that contains the image of this one under a pose, rounded outward. Returns
+    /// `None` if the image cannot be bounded. Callers then treat it as overlapping everything.
     fn moved(&self, world_from_local: &Pose) -> Option<Self>;
 
     /// Stores volumes side by side. Lanes without a volume are arbitrary.
     fn lanes<const N: usize>(volumes: [Option<Self>; N]) -> Self::Lanes<N>;
 
-    /// Returns the volume in a lane that has one.
+    /// Returns the volume in a lane. The result is arbitrary for a lane without a volume.
     fn lane<const N: usize>(lanes: &Self::Lanes<N>, lane: usize) -> Option<Self>;
 
     /// Returns the lanes whose volumes are not proved apart from `other`, as bits. The bits of

@@ -1,5 +1,5 @@
-//! The distance from the border beyond which an open mesh may be treated as closed (docs/notes/proof.md,
-//! L19a).
+//! The distance from the border beyond which an open mesh may be treated as closed
+//! (docs/notes/proof.md, L19a).
 //!
 //! Let the cap be a surface that has the border of the mesh, reversed, as its own border. The mesh
 //! and the cap together are closed and wind around every point off them an integer number of times.
@@ -59,7 +59,8 @@ impl Cap {
         if boxes.len() > MAX_BOXES {
             boxes = vec![all];
         }
-        // In units of the size of the border, so that no square vanishes or overflows.
+        // Areas are in units of the squared size of the border, so that no square vanishes or
+        // overflows.
         let size = (0..3).fold(f64::MIN_POSITIVE, |most, k| most.max(all.max()[k] - all.min()[k]));
         let area: f64 = loops.iter().map(|path| area_of_cap(path, |p, q| scaled_difference(at(p), at(q), size))).sum();
         let reach = (area / std::f64::consts::TAU).sqrt() * size * (1.0 + 1e-9);
@@ -73,7 +74,8 @@ impl Cap {
         bounds.is_some_and(|bounds| self.boxes.iter().all(|near| !grown(near, 2.0 * self.reach).overlaps(&bounds)))
     }
 
-    /// Returns boxes in the world that hold everything within reach of the border.
+    /// Returns boxes in the world frame, rounded outward, that hold everything within reach of the
+    /// border.
     ///
     /// # Errors
     /// Returns an error if a box is beyond the range of [`MinMax`].
@@ -150,7 +152,7 @@ fn scaled_difference(from: [f64; 3], to: [f64; 3], size: f64) -> [f64; 3] {
     std::array::from_fn(|k| (to[k] - from[k]) / size)
 }
 
-/// Returns the smallest box of some points, or `None` if there are no points.
+/// Returns the smallest box that holds some points, or `None` if there are no points.
 pub(in crate::mesh) fn bounds_of(points: impl Iterator<Item = [f64; 3]>) -> Option<MinMax> {
     points.map(|point| MinMax::from_ordered(point, point)).reduce(|all, point| all.merged(&point))
 }

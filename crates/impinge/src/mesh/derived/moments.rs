@@ -34,7 +34,7 @@ pub(in crate::mesh) struct Group {
     pub(in crate::mesh) second: [[f64; 6]; 3],
 }
 
-/// The groups of all nodes, by node.
+/// The moments of the faces below each node of a tree, by the index of the node.
 #[derive(Debug)]
 pub(crate) struct FarField {
     pub(in crate::mesh) groups: Vec<Group>,
@@ -46,8 +46,8 @@ pub(in crate::mesh) fn pair(j: usize, k: usize) -> usize {
 }
 
 impl FarField {
-    /// Computes the groups of a tree over leaves, for a mesh with this frame and these corners of
-    /// faces.
+    /// Computes the moments of the faces below each node of a tree. `corners` returns the corners
+    /// of a face in the mesh frame.
     ///
     /// # Complexity
     /// O(n).
@@ -99,7 +99,8 @@ impl Group {
             center[axis] = 0.5 * (low + high);
             squared += (0.5 * (high - low)).powi(2);
         }
-        // Pays for the errors of the corners and of the root.
+        // The factor covers the rounding of the root, and the added term covers the errors of the
+        // corners.
         let radius = squared.sqrt() * (1.0 + 1e-12) + 4.0 * PACKING_ERROR;
         Self { center, radius, ..Self::EMPTY }
     }

@@ -80,7 +80,8 @@ impl Topology {
         &faces[start..ends[vertex as usize]]
     }
 
-    /// Returns the border of some faces, named by the vertices of [`first_at`](Self::first_at).
+    /// Returns the border of some faces, given by their vertex indices. Its vertices are those of
+    /// [`first_at`](Self::first_at).
     pub(crate) fn border_of(&self, faces: impl Iterator<Item = [u32; 3]>) -> Vec<BorderEdge> {
         let named: Vec<[u32; 3]> = faces.map(|face| face.map(|vertex| self.first_at[vertex as usize])).collect();
         border_of(named.into_par_iter())

@@ -153,8 +153,8 @@ impl Answer {
         if have_tied { self.try_planes(scene) } else { Continue(()) }
     }
 
-    /// Returns the nearest points so far, in the world, or `None` if no pair was processed. If the
-    /// search was interrupted, the lower bound is zero.
+    /// Returns the nearest points so far, in the world frame, or `None` if no pair was processed.
+    /// If the search was interrupted, the lower bound is zero.
     pub(super) fn nearest(&mut self, scene: &Scene<'_>, is_interrupted: bool) -> Option<Nearest> {
         if is_interrupted {
             let _ = self.process(scene, [0, 0]);

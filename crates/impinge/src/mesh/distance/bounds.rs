@@ -44,7 +44,7 @@ const ROUNDING: f64 = 1.0 / (1_u64 << 20) as f64;
 pub(super) struct LaneBounds {
     /// Bound of each lane, comparable with [`Bounds::limit`].
     pub(super) bounds: [f32; LANES],
-    /// Order in which the boxes are worth processing, least first.
+    /// Sort key of each lane: the box with the least key is processed first.
     pub(super) order: [f32; LANES],
     /// Lanes whose bound is not above the limit, as bits. The bits of unused lanes may be set, so
     /// callers mask them out. A bound that is NaN proves nothing, so its bit is set.
@@ -204,7 +204,8 @@ impl Far {
         let size = length(gap);
         let direction = gap.map(|x| (x / size) as f32);
         let wide = direction.map(f64::from);
-        // Three products and two sums for each of two boxes, and the error of the gap.
+        // Three products and two sums are rounded for each of two boxes. The gap adds its own
+        // error.
         let slack = 32.0 * HALF_ULP * metric.extent + metric.error;
         Self { direction, length: length(&wide) * (1.0 + 1e-12), along: dot(&wide, gap), slack }
     }

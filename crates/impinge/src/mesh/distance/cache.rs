@@ -1,7 +1,7 @@
 //! A direct-mapped cache.
 
-/// The most recent results of a costly computation, by number. There are `SLOTS` slots, a power of
-/// two.
+/// The most recent results of a costly computation, by the number of its subject, such as a node.
+/// There are `SLOTS` slots, a power of two.
 pub(super) struct Cache<T, const SLOTS: usize> {
     /// Index of each slot's value in `kept`, plus one. Zero for an empty slot.
     places: [u16; SLOTS],
@@ -14,6 +14,7 @@ impl<T, const SLOTS: usize> Cache<T, SLOTS> {
     }
 
     /// Returns the value of a number. Computes the value with `make` if it is not cached.
+    /// `number_of` returns the number of a cached value.
     #[inline(always)]
     pub(super) fn get(&mut self, number: u32, number_of: impl Fn(&T) -> u32, make: impl FnOnce(u32) -> T) -> &T {
         self.get_current(number, |kept| number_of(kept) == number, make)

@@ -71,7 +71,8 @@ struct Reaches {
     lanes: [f32; LANES],
 }
 
-/// Reaches of eight parts of the host and of eight parts of the guest.
+/// How far eight parts of the host and eight parts of the guest reach beyond their own mesh's
+/// witness, towards the other mesh, in metric units.
 pub(super) struct Reached {
     host: [f32; LANES],
     guest: [f32; LANES],
@@ -87,7 +88,7 @@ pub(super) struct Reach {
     pub(super) along: u32,
 }
 
-/// The sum of reaches below which two parts are proved to be far apart.
+/// The values that give the sum of reaches below which two parts are proved to be far apart.
 #[derive(Clone, Copy)]
 pub(super) struct Threshold {
     /// Distance of the witnesses along the direction, in metric units.
@@ -109,7 +110,7 @@ impl Threshold {
 
 impl Reached {
     /// Returns for each guest lane the host lanes that are not proved to be farther away than
-    /// `cut`, as bits. Returns all lanes if there is no direction.
+    /// `cut`, in metric units, as bits. Returns all lanes if there is no direction.
     #[inline(always)]
     pub(super) fn near<S: Simd>(reached: &Option<Self>, simd: S, cut: f64) -> [u32; LANES] {
         let Some(reached) = reached else { return [ALL_LANES; LANES] };

@@ -8,10 +8,10 @@ use super::search::Search;
 use super::warm_start::WarmStart;
 use crate::mesh::{HostChoice, Options, PlacedMesh, first_hit};
 
-/// Returns the nearest points of two meshes in the world, or `None` if a mesh has no faces.
+/// Returns the nearest points of two meshes in the world frame, or `None` if a mesh has no faces.
 ///
-/// If the meshes intersect, the faces are the first pair that the descent finds with the host of
-/// the smaller error.
+/// If the meshes intersect, the returned faces are the first intersecting pair that the descent
+/// finds, with the host chosen by [`HostChoice::SmallerError`].
 pub(crate) fn nearest(
     a: PlacedMesh<'_>,
     b: PlacedMesh<'_>,

@@ -1,4 +1,6 @@
-//! The map from the guest's packed frame to the host's packed frame.
+//! The map between the frames in which two meshes are stored, with its error. Distance bounds
+//! compare boxes of the guest with boxes of the host in the host's packed frame
+//! (`mesh/storage/frame.rs`).
 
 /// Map from the guest's packed frame to the host's packed frame: `host = linear · guest +
 /// translation`.

@@ -1,4 +1,5 @@
-//! The values that do not change during a search, and the conversion of its results to world units.
+//! The values that stay the same during a distance search between two meshes: placement, metric
+//! frame, bounds and clearance. Also converts results to world units.
 
 use super::bounds::Bounds;
 use super::metric::Metric;
@@ -9,7 +10,7 @@ use crate::primitive::{
     ClosestPoints, Witness, closest_on_segments, closest_on_triangle, common_point, triangle_triangle,
 };
 
-/// The nearest points of two meshes, in the world.
+/// The nearest points of two meshes, in the world frame, with an interval of their distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Nearest {
     /// Lower bound of the distance, in world units.
@@ -21,7 +22,7 @@ pub(crate) struct Nearest {
     pub(crate) faces: [u32; 2],
 }
 
-/// A pair of faces with its value, in metric units.
+/// A pair of faces with its computed distance (`value`) and nearest points, in metric units.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Valued {
     pub(super) value: f64,
@@ -36,7 +37,7 @@ impl Valued {
     }
 }
 
-/// The values that do not change during a search.
+/// Two meshes in a distance search, with the values that stay the same during it.
 pub(super) struct Scene<'a> {
     pub(super) meshes: [&'a Mesh; 2],
     pub(super) metric: Metric,
@@ -80,16 +81,17 @@ impl Scene<'_> {
         parts_within(&self.placement, &a, &b, self.clearance, &parts)
     }
 
-    /// Reports whether planes that two faces rest on, perpendicular to the line between their
-    /// nearest points, prove that the whole meshes are farther apart than the clearance.
+    /// Reports whether two supporting planes prove that the meshes are farther apart than the
+    /// clearance. Both are perpendicular to one direction, close to the line between the faces'
+    /// nearest points.
     pub(super) fn are_farther_by_planes(&self, best: &Valued) -> bool {
         let supports = self.supports(best.faces, &best.witness);
         supports.are_farther_than(&self.placement, self.vertices(0), self.vertices(1), self.clearance)
     }
 
-    /// Returns an interval of the distance of the meshes in world units, if such planes prove that
-    /// no two faces are nearer than the best pair. The interval is then the same for all pairs of
-    /// faces that tie. Returns `None` if the planes do not prove it.
+    /// Returns an interval of the distance of the meshes in world units, if two supporting planes
+    /// prove that no two faces are nearer than the best pair. The interval is then the same for all
+    /// pairs of faces that tie. Returns `None` if the planes do not prove it.
     pub(super) fn distance_by_planes(&self, best: &Valued) -> Option<[f64; 2]> {
         let supports = self.supports(best.faces, &best.witness);
         let corners = [0, 1].map(|m| self.meshes[m].corners(best.faces[m]));
@@ -137,9 +139,8 @@ impl Scene<'_> {
     }
 }
 
-/// Returns the barycentric shares of the second and the third corner in a point of a triangle. They
-/// are not negative, and their sum leaves room for rounding. Returns `None` for a triangle without
-/// area.
+/// Returns the barycentric coordinates of a point for the second and the third corner. They are not
+/// negative, and their sum leaves room for rounding. Returns `None` for a triangle without area.
 fn shares([first, second, third]: &[Vector; 3], point: &Vector) -> Option<[f64; 2]> {
     let (u, v, w) = (sub(second, first), sub(third, first), sub(point, first));
     let (uu, uv, vv, wu, wv) = (dot(&u, &u), dot(&u, &v), dot(&v, &v), dot(&w, &u), dot(&w, &v));
@@ -150,7 +151,7 @@ fn shares([first, second, third]: &[Vector; 3], point: &Vector) -> Option<[f64; 
     (area > 0.0).then_some([s / too_much, t / too_much])
 }
 
-/// Returns the result for two faces that intersect.
+/// Returns the result for two faces that intersect: distance zero, and a common point twice.
 pub(super) fn intersecting(a: PlacedMesh<'_>, b: PlacedMesh<'_>, faces: [u32; 2]) -> Nearest {
     let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
     let corners = [a.mesh.corners(faces[0]), b.mesh.corners(faces[1])];

@@ -120,7 +120,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Resumes at the pairs that `frontier` does not prove far. Returns `false` if it is of no use.
+    /// Resumes at the pairs that `frontier` does not prove far. Returns `false` if the meshes have
+    /// changed or if a new search costs less.
     pub(super) fn resume(&mut self, frontier: Frontier, options: &Options<'_>) -> bool {
         let Some(frontier) = frontier.moved(&self.scene, self.nodes[GUEST], options, self.answer.cut) else {
             return false;
@@ -139,7 +140,7 @@ impl<'a> Search<'a> {
         WarmStart { faces, frontier: self.frontier, costly }
     }
 
-    /// Returns the nearest points so far, in the world.
+    /// Returns the nearest points so far, in the world frame, or `None` if no pair was processed.
     pub(super) fn nearest(&mut self) -> Option<Nearest> {
         self.answer.nearest(&self.scene, self.slices.is_interrupted)
     }

@@ -23,8 +23,8 @@ pub(super) struct SupportBound {
 }
 
 impl SupportBound {
-    /// Returns upper bounds of the reaches of a node's children. Unused lanes have negative
-    /// infinity.
+    /// Returns upper bounds of the reaches of a node's children, in metric units. Unused lanes have
+    /// negative infinity.
     #[inline(always)]
     pub(super) fn of_children<S: Simd>(&self, simd: S, mesh: &Mesh, node: u32) -> [f32; LANES] {
         let nodes = mesh.0.tree.nodes();
@@ -86,7 +86,7 @@ impl SupportBound {
         upward(origin + f64::from(lanes.reduce_max()))
     }
 
-    /// Returns upper bounds of the reaches of each triangle of a leaf.
+    /// Returns an upper bound of the reach of each triangle of a leaf, in metric units.
     #[inline(always)]
     pub(super) fn of_triangles<S: Simd>(&self, simd: S, packet: &Packet<'_>) -> [f32; LANES] {
         let (lanes, origin) = self.about_origin(simd, packet);

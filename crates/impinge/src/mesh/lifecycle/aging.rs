@@ -48,7 +48,7 @@ impl Aging {
 }
 
 impl Mesh {
-    /// Returns how the hierarchy has aged, as the last [`refit`](Self::refit) did.
+    /// Returns the cost of the hierarchy now, and its cost when it was built or last rebuilt.
     #[must_use]
     pub fn aging(&self) -> Aging {
         let data = &*self.0;

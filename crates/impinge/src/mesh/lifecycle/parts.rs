@@ -21,7 +21,7 @@ use crate::mesh::triangle_mesh::{Data, Mesh};
 use crate::simd::best_level;
 use crate::storage::{Buffer, SharedBytes};
 
-/// One value for each array of a mesh.
+/// One value for each stored array of a mesh: its bytes, or their range in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parts<T> {
     /// The map from the mesh frame to the packed frame.
@@ -49,13 +49,13 @@ pub enum Flaw {
     },
     /// The vertices or the faces are invalid: [`Mesh::new`] would return this error.
     Input(InputError),
-    /// The frame is not that of the vertices.
+    /// The stored map to the packed frame is not the map that follows from the vertices.
     Frame,
     /// The nodes do not form a tree over the leaves, or the tree is too deep.
     Tree,
     /// A leaf holds a face that does not exist, or a face is held by no leaf or by two.
     Faces,
-    /// A box or slab differs from that of the vertices.
+    /// A box or slab of the hierarchy differs from the one computed from the vertices.
     Bounds {
         /// The first node of the subtree in which the difference was found, or 0 for the nodes
         /// above all such subtrees.

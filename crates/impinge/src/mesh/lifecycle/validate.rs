@@ -1,5 +1,5 @@
-//! Validates arrays once, when they enter the library, so that no query can fail (docs/notes/proof.md,
-//! L0).
+//! Validates arrays once, when they enter the library, so that no query can fail
+//! (docs/notes/proof.md, L0).
 
 use rayon::prelude::*;
 

@@ -1,5 +1,6 @@
 //! Compares packets of triangles with packets in single precision. It finds the pairs of triangles
-//! whose boxes overlap, and classifies them: apart, intersecting or undecided (docs/notes/proof.md, L4).
+//! whose boxes overlap, and classifies them: apart, intersecting or undecided (docs/notes/proof.md,
+//! L4).
 //!
 //! Guarded by the tests in `filter/tests.rs`, by `engine/triangle_pairs.rs` and `engine/laws.rs`,
 //! and by the benchmark `headline`.
@@ -142,8 +143,8 @@ impl Guest {
     #[inline(always)]
     pub(crate) fn test_slabs<S: Simd>(&self, simd: S, host: &Packet<'_>, lanes: u32) -> SlabTest {
         let offset: [f32; 3] = by_axis!(axis => (self.local_origin[axis] - host.local_origin[axis]) as f32);
-        // Error of the host's corners: their own rounding, and that of two sums with an offset of
-        // up to the radius of the host packet.
+        // The host's corners are rounded themselves, and two sums with an offset of up to the
+        // radius of the host packet are rounded too.
         let error = self.error + 4.0 * HALF_ULP as f32 * host.radius;
         let guest_corners: [Lanes3<S>; 3] = by_axis!(corner => load3(simd, &self.corners[corner]));
         let guest_lanes = !outside(simd, &guest_corners, offset, host.normal(), host.heights, error) & lanes;

@@ -109,8 +109,8 @@ impl Hubs {
         self.of_children[node as usize][usize::from(lane)]
     }
 
-    /// Returns the pairs of faces that share a hub and for which `meet` returns `true`, the smaller
-    /// index first. `meet` is called once for all copies of two faces.
+    /// Returns the pairs of faces that share a hub and for which `intersect` returns `true`, the
+    /// smaller index first. `intersect` is called once for all copies of two faces.
     pub(in crate::mesh) fn collect(&self, mesh: &Mesh, intersect: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
         let hubs = (0_u32..).zip(&self.vertices);
         hubs.flat_map(|(hub, &vertex)| {

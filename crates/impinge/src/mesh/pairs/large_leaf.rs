@@ -106,8 +106,8 @@ impl Bounds {
     /// of any length. The sum of local origin and corner has an error of at most 2 u R, a height 5
     /// u Σ|n| R, and the difference that widens it 2 u of itself. For these, a slab is widened by
     /// 16 u Σ|n| R. It is also widened by the error of the corners along it, and by 32 u Σ|n|·reach
-    /// for the rounding of a box's heights when it is tested (docs/notes/proof.md, L2a). A NaN proves
-    /// nothing there.
+    /// for the rounding of a box's heights when it is tested (docs/notes/proof.md, L2a). A NaN
+    /// proves nothing there.
     #[inline(always)]
     fn new<S: Simd>(simd: S, about: &[Lanes3<S>; 3], local_origin: [f64; 3], error: f64) -> Self {
         let local_origin: Lanes3<S> = by_axis!(axis => f32x8::splat(simd, local_origin[axis] as f32));

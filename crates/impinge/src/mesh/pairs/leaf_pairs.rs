@@ -35,9 +35,9 @@ const QUEUE_CAPACITY: usize =
 /// they are cached; twice as many would fill the L1 cache and save hardly more.
 pub(in crate::mesh) const CACHED_GUEST_LEAVES: usize = 32;
 
-/// Maximum number of undecided pairs that are put off before they are decided exactly. A decision
-/// costs as much as filtering some leaf pairs, any of which may hold a pair that the filter proves
-/// intersecting. If the surfaces only touch, none does, and waiting longer is wasted.
+/// Maximum number of undecided pairs that wait. While they wait, the filter may prove another pair
+/// intersecting, which costs less than an exact decision. If the surfaces only touch, the filter
+/// proves none, and longer waiting is wasted.
 const MAX_UNDECIDED_PAIRS: usize = 8;
 
 /// Half of the minimum length at which the list of found pairs is trimmed to those that are kept.
@@ -95,7 +95,7 @@ pub(super) struct Question<'a> {
 
 impl Question<'_> {
     /// Returns an empty queue that caches up to `cached_guests` guest leaves, which must be a power
-    /// of two. If that is less than the usual queue length, no more pairs are queued.
+    /// of two. If that is less than the usual queue length, the queue is processed at that length.
     pub(in crate::mesh) fn pairs(&self, cached_guests: usize) -> LeafPairs<'_> {
         LeafPairs {
             question: *self,
@@ -136,7 +136,7 @@ pub(super) struct LeafPairs<'a> {
     /// Undecided pairs of faces, if they are decided last; few more than [`MAX_UNDECIDED_PAIRS`].
     undecided: Vec<[u32; 2]>,
     pub(in crate::mesh) found: Vec<[u32; 2]>,
-    /// Maximum face of the first mesh in a pair that can still be kept.
+    /// Largest index of a face of the first mesh whose pairs can still be kept.
     last_face: u32,
 }
 
@@ -168,8 +168,8 @@ impl LeafPairs<'_> {
         ControlFlow::Continue(())
     }
 
-    /// Tests the packets of the oldest pairs against the slabs of each other. Writes those that may
-    /// intersect to `tested`, and returns their number.
+    /// Tests each of the oldest leaf pairs: the triangles of either packet against the slab of the
+    /// other packet. Writes the pairs that may intersect to `tested`, and returns their number.
     #[inline(always)]
     fn test_oldest<S: Simd>(&mut self, simd: S, tested: &mut [(LeafPair, SlabTest); LEAF_PAIRS_PER_BATCH]) -> usize {
         let count = self.queue_len.min(self.batch_size);
@@ -200,7 +200,8 @@ impl LeafPairs<'_> {
         kept.fold(0, |kept, lane| kept | 1 << lane)
     }
 
-    /// Classifies candidates if nothing is queued by design, or if there is little room left.
+    /// Classifies candidates at once if a batch is a single leaf pair; otherwise only if little
+    /// room is left.
     #[inline(always)]
     fn classify_if_full<S: Simd>(&mut self, simd: S) -> ControlFlow<()> {
         if self.batch_size == 1 {
@@ -266,7 +267,7 @@ impl LeafPairs<'_> {
         self.continue_or_stop(MAX_UNDECIDED_PAIRS)
     }
 
-    /// Decides the pairs that were put off if there are more than `max_undecided` of them. Returns
+    /// Decides the queued pairs if there are more than `max_undecided` of them. Returns
     /// `Break` if enough pairs are found.
     #[inline(always)]
     fn continue_or_stop(&mut self, max_undecided: usize) -> ControlFlow<()> {
@@ -276,7 +277,7 @@ impl LeafPairs<'_> {
         if self.found.len() < self.question.wanted.limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
-    /// Decides the pairs that were put off, until enough pairs are found.
+    /// Decides the queued pairs until enough pairs are found.
     #[cold]
     fn decide_undecided(&mut self) {
         let [a, b] = self.packets();

@@ -41,8 +41,8 @@ impl Relations {
             HostChoice::First => Sides::FIRST_HOSTS,
             HostChoice::Second => Sides::SECOND_HOSTS,
             HostChoice::SmallerError => {
-                // The error in units of the guest, whose boxes it enlarges. The stretch converts it
-                // to them.
+                // The error enlarges boxes of the guest. Dividing by the stretch converts it to
+                // units of the guest.
                 let blur = |relation: &Relation| f64::from(relation.boxes.slack()) / relation.stretch;
                 let is_b_better = blur(&by_b) / frame_a.scale < blur(&by_a) / frame_b.scale;
                 if is_b_better { Sides::SECOND_HOSTS } else { Sides::FIRST_HOSTS }

@@ -33,7 +33,8 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// Creates the ray from `origin` in `direction`, which need not have unit length.
+    /// Creates the ray from `origin` in `direction`, both in a mesh's own frame. The direction need
+    /// not have unit length.
     ///
     /// # Errors
     /// Returns an error if a number is not finite or above 2^300 in magnitude, or if the direction
@@ -47,13 +48,13 @@ impl Ray {
         Ok(Self { origin, direction })
     }
 
-    /// Returns the point at which the ray starts.
+    /// Returns the point at which the ray starts, in the mesh's own frame.
     #[must_use]
     pub fn origin(&self) -> [f64; 3] {
         self.origin
     }
 
-    /// Returns the direction of the ray.
+    /// Returns the direction of the ray as given, in the mesh's own frame.
     #[must_use]
     pub fn direction(&self) -> [f64; 3] {
         self.direction
@@ -81,8 +82,8 @@ impl Ray {
 /// The intersection of a ray with a face of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
-    /// Parameter of the hit, in units of the direction's length. Its relative error is at most
-    /// 2^-40, and it is zero if the true parameter is zero.
+    /// Parameter of the hit: its distance from the origin, divided by the length of the direction.
+    /// Its relative error is at most 2^-40, and it is zero if the true parameter is zero.
     pub t: f64,
     /// Index of the face. If the ray intersects several faces in one point, the first of them.
     pub face: u32,
@@ -91,8 +92,8 @@ pub struct RayHit {
 }
 
 impl Mesh {
-    /// Returns the first face that a ray intersects, or `None`. The ray's origin belongs to the
-    /// ray.
+    /// Returns the first face that a ray intersects, decided exactly, or `None`. The ray's origin
+    /// belongs to the ray.
     ///
     /// ```
     /// use impinge::mesh::Ray;
@@ -106,8 +107,9 @@ impl Mesh {
     /// # Ok::<(), impinge::InputError>(())
     /// ```
     ///
-    /// Faces are closed and have no sides: edges, corners and triangles without area count. A ray
-    /// within the plane of a face intersects the face in the first point that they share.
+    /// Faces are closed, so their edges and corners count. A face counts from both sides, and a
+    /// triangle without area counts too. A ray within the plane of a face intersects the face in
+    /// the first point that they share.
     #[must_use]
     pub fn ray_cast(&self, ray: &Ray) -> Option<RayHit> {
         let mut first = First { mesh: self, ray, best: None };
@@ -115,7 +117,7 @@ impl Mesh {
         first.best.map(|(face, crossing)| RayHit { t: crossing.t, face, point: ray.at(crossing.t) })
     }
 
-    /// Reports whether a ray intersects the mesh.
+    /// Reports exactly whether a ray intersects the surface of the mesh.
     #[must_use]
     pub fn ray_cast_any(&self, ray: &Ray) -> bool {
         let mut any = Any { mesh: self, ray, is_hit: false };
@@ -123,7 +125,7 @@ impl Mesh {
         any.is_hit
     }
 
-    /// Returns every face that a ray intersects, sorted by parameter and then by index.
+    /// Returns every face that a ray intersects, sorted by true parameter and then by index.
     #[must_use]
     pub fn ray_cast_all(&self, ray: &Ray) -> Vec<RayHit> {
         let mut all = All { mesh: self, ray, hits: Vec::new() };
@@ -252,8 +254,8 @@ impl MovedRay {
         let direction = ray.direction.map(|x| x * units[0] * units[1]);
         let from = sub(&ray.origin, &frame.origin).map(|x| x * frame.scale);
         let far = from.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        // To the point at which the ray passes the mesh's center, less a few units so that it
-        // starts before the mesh.
+        // The ray is moved to the point at which it passes the mesh's center, less a few units so
+        // that it starts before the mesh.
         let moved =
             if far > 4.0 { (-dot(&from, &direction) / dot(&direction, &direction) - 4.0).max(0.0) } else { 0.0 };
         let origin: Vector = std::array::from_fn(|k| from[k] + moved * direction[k]);

@@ -35,9 +35,9 @@ pub struct Health {
 }
 
 impl Health {
-    /// Reports whether each edge has two faces that agree on the inside. A mesh may be
-    /// [closed](Mesh::is_closed) and still not be a manifold, for example two cubes that share an
-    /// edge.
+    /// Reports whether each edge has two faces that agree on their orientation. Returns `true` for
+    /// a mesh without faces. A mesh may be [closed](Mesh::is_closed) and still not be a manifold,
+    /// for example two cubes that share an edge.
     #[must_use]
     pub fn is_manifold(&self) -> bool {
         self.open_edges + self.non_manifold_edges + self.misoriented_edges == 0
@@ -98,7 +98,7 @@ fn is_degenerate([a, b, c]: &Corners) -> bool {
     /// the products' magnitudes. They lose at most (3 + 16 u) u (Shewchuk 1997, 4.2). This is twice
     /// as much.
     const ROUNDING: f64 = 4.0 * f64::EPSILON;
-    /// Far more than underflows lose.
+    /// Upper bound, with much room, of what products lose if they underflow.
     const UNDERFLOW: f64 = 1e-300;
     let apart = (0..3).any(|axis| {
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -14,7 +14,8 @@ impl Mesh {
 
     /// Returns the hierarchy's boxes at a level as (minimum, maximum) corners in the mesh's own
     /// frame, rounded to nearest. Level 0 has one box, level 1 has the boxes of its children, and
-    /// so on. A leaf above the level is included in place of the boxes below it.
+    /// so on. A leaf above the level is included instead of the missing boxes below it. Returns no
+    /// boxes for a mesh without faces.
     #[must_use]
     pub fn tree_level(&self, level: usize) -> Vec<[[f64; 3]; 2]> {
         let frame = &self.0.frame;

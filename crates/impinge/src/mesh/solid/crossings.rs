@@ -111,11 +111,12 @@ fn packed_interval(frame: &PackedFrame, point: &PosedPoint<'_>) -> Aabb {
     let mut bounds = Aabb::EMPTY;
     for axis in 0..3 {
         let (x, error) = (point.approximate[axis], point.error[axis]);
-        // Twice the rounding error of the two sums, or zero if the point is given in this frame.
+        // The two sums are rounded, and this adds twice their rounding error. The error is zero if
+        // the point is given in this frame.
         let error = if error == 0.0 { 0.0 } else { error + 2.0 * f64::EPSILON * x.abs() };
         let packed = |x: f64| ((x - frame.origin[axis]) * frame.scale) as f32;
-        // As for the boxes of faces, one step to the next float pays for rounding to single
-        // precision and before.
+        // As for the boxes of faces, one step to the next float covers the rounding to single
+        // precision and all roundings before it.
         (bounds.min[axis], bounds.max[axis]) = (packed(x - error).next_down(), packed(x + error).next_up());
     }
     bounds

@@ -6,7 +6,8 @@
 //! Every expansion has an error bound. And groups are opened worst first until the sum of the
 //! bounds is small enough, instead of whenever a group is nearer than a multiple of its radius.
 //!
-//! The bound (docs/notes/proof.md, L17): a face at x = c + y is seen from p through the gradient of 1 /
+//! The bound (docs/notes/proof.md, L17): a face at x = c + y is seen from p through the gradient of
+//! 1 /
 //! |x - p|. Its Taylor term of order k in y is `D^(k+1)(1/|·|)[y, ..., y, n] / k!` at c - p. A
 //! symmetric form is largest, over unit vectors, if all of them are equal (Banach, *Über homogene
 //! Polynome in (L²)*, Studia Mathematica 7, 1938). There it is `(k+1)! P / R^(k+2)` with a Legendre

@@ -7,8 +7,9 @@
 //! *count*. The winding numbers on both sides of a face that counts differ, unless other faces of
 //! the mesh overlap it in part.
 //!
-//! A sheet is a set of faces that count and are connected along edges. Faces that share a vertex
-//! alone are not connected: a touch in that vertex would separate them.
+//! A sheet is a set of faces that count and are connected along edges. Faces that share only a
+//! vertex are not connected, because a contact with the other mesh in that vertex would separate
+//! them.
 //!
 //! Guarded by `tests/it/solids/bricks.rs`.
 
@@ -61,8 +62,8 @@ impl Mesh {
     /// About linear in the faces the first time, then constant.
     pub(crate) fn sheets(&self) -> &Components {
         let slot = &self.0.derived.sheets;
-        // The slot is not locked during the computation: a thread that waits for its share of the
-        // work may need it for another task.
+        // No lock is held during the computation. A thread that waits in the parallel loop may
+        // start another task that needs this slot, and would deadlock.
         if slot.get().is_none() {
             let _ = slot.set(self.connected_along_edges());
         }
@@ -84,7 +85,7 @@ impl Mesh {
         Components::numbered(faces as usize, roots)
     }
 
-    /// Returns all faces that have corners with these names and no two corners with one name, in
+    /// Returns all faces that have all these corner names and three different corner names, in
     /// ascending order.
     fn faces_with<const N: usize>(&self, names: [u32; N]) -> impl Iterator<Item = u32> {
         let lists = names.map(|name| self.faces_at(name));

@@ -40,9 +40,9 @@ impl Direction {
         let length = length(&scaled);
         let unit = scaled.map(|x| x / length);
         // The error of the point rotates the vector by at most twice the error over the vector's
-        // length, if that is at most 1/4. Each component is rounded by the difference, two
-        // quotients and the length: 6 units in all. The square root of three times their square is
-        // below 11.
+        // length, if that is at most 1/4. The difference, two quotients and the length round each
+        // component, so its error is at most 6 units. So the vector is off by at most 6 sqrt(3) <
+        // 11 units.
         let relative = (point.error[0] + point.error[1] + point.error[2]) / largest;
         let error = if relative <= 0.25 { 2.0 * relative + 16.0 * UNIT_ROUNDOFF } else { f64::INFINITY };
         Self { unit, error }
@@ -62,8 +62,8 @@ impl Direction {
         let across_squared = x * x + y * y;
         let across = across_squared.sqrt();
         let scale = (1.0 + along) / across_squared;
-        // Relative to the distance from the axis, which occurs once in the numerator and twice in
-        // the denominator, and for `1 + along`.
+        // `relative` bounds the relative error of `across`. It counts once for `x` or `y`, twice
+        // for `across_squared`, and once for `1 + along`.
         let relative = self.error / across;
         let size = (1.0 + along) / across;
         let error = if relative <= 1.0 / 16.0 { size * (6.0 * relative + 16.0 * UNIT_ROUNDOFF) } else { f64::INFINITY };
@@ -124,10 +124,11 @@ impl AngleSum {
         let [a, b, c] = corners.each_ref().map(|corner| Direction::to(corner, point));
         let re = 1.0 + dot(&a.unit, &b.unit) + dot(&b.unit, &c.unit) + dot(&c.unit, &a.unit);
         let im = dot(&a.unit, &cross(&b.unit, &c.unit));
-        // Each of the unit vectors occurs in three terms of size one, or four with the products of
-        // errors.
+        // Each unit vector occurs in two inner products and in the triple product. So its error
+        // counts three times; the fourth covers products of errors.
         let error = 4.0 * (a.error + b.error + c.error) + 32.0 * UNIT_ROUNDOFF;
-        // The normal points away from a point that the face winds around counterclockwise.
+        // The angle is positive if the point is behind the face, on the side opposite to the
+        // normal.
         self.add(re, im, error, -side, 1);
     }
 

@@ -17,8 +17,8 @@
 //! for a soup of triangles, the solid angles of the faces are summed up instead. Far faces are
 //! summed up by expansions.
 //!
-//! Proof: docs/notes/proof.md, L16 and L17. Guarded by `tests/it/solids/winding.rs` and `containment.rs`,
-//! and by the benchmark `solids` of `impinge-bench`.
+//! Proof: docs/notes/proof.md, L16 and L17. Guarded by `tests/it/solids/winding.rs` and
+//! `containment.rs`, and by the benchmark `solids` of `impinge-bench`.
 
 use rayon::prelude::*;
 
@@ -58,8 +58,8 @@ pub enum Containment {
 }
 
 impl Containment {
-    /// Returns `true` unless the point is outside. Points on the surface and undecided points count
-    /// as contained, which is the safe side.
+    /// Returns `true` unless the point is outside. So points on the surface count as contained, and
+    /// so do undecided points.
     #[must_use]
     pub fn is_contained(self) -> bool {
         self != Self::Outside

@@ -125,7 +125,7 @@ pub(in crate::mesh) fn of_leaves<S: Simd>(
         triangles.normal = by_axis!(axis => normals[axis][lane] as i16);
         let corners = load_corners(simd, &triangles.corners);
         let [low, high] = heights(simd, &corners, triangles.normal());
-        // Covers five roundings of a sum of three products of at most the radius.
+        // A height is a sum of three products of at most the radius, with five roundings.
         let error = 20.0 * HALF_ULP as f32 * triangles.radius + f32::MIN_POSITIVE;
         triangles.heights = [low.reduce_min() - error, high.reduce_max() + error];
     }

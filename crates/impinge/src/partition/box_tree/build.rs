@@ -19,8 +19,8 @@ impl BoxTree {
         tree
     }
 
-    /// Rebuilds the tree over its boxes. After most of them moved far, rebuilding makes the tree as good
-    /// as a new one.
+    /// Rebuilds the tree over its boxes. After most of them moved far, rebuilding makes the tree as
+    /// good as a new one.
     pub fn rebuild(&mut self) {
         let mut leaves: Vec<_> = self.items.iter().map(|(key, bounds)| (key, self.fattened(bounds))).collect();
         self.bvh.rebuild(&mut leaves, split_at_median);

@@ -52,8 +52,9 @@ impl BoxTree {
         Self::default()
     }
 
-    /// Returns an empty tree whose leaves extend beyond their boxes by `margin` on every side. A
-    /// negative or NaN margin counts as zero, and a margin beyond 2^320 as 2^320.
+    /// Returns an empty tree whose leaves extend beyond their boxes by `margin` on every side, in
+    /// the unit of the boxes. A negative or NaN margin counts as zero, and a margin beyond 2^320 as
+    /// 2^320.
     #[must_use]
     pub fn with_margin(margin: f64) -> Self {
         Self { margin: margin.clamp(0.0, super::best::LIMIT), ..Self::default() }

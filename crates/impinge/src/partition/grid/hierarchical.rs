@@ -68,8 +68,9 @@ fn power_of_two(exponent: i32) -> f64 {
 }
 
 impl HierarchicalGrid {
-    /// Returns an empty grid whose smallest cells have edges of length `cell`. Choose it slightly
-    /// larger than most boxes, or than the smallest size of which there are many boxes.
+    /// Returns an empty grid whose smallest cells have edges of length `cell`, in the unit of the
+    /// boxes. Choose it slightly larger than most boxes, or than the smallest size of which there
+    /// are many boxes.
     ///
     /// # Errors
     /// Returns [`NonFinite`](crate::input::InputErrorKind::NonFinite) or

@@ -12,9 +12,8 @@ use super::quantized_box::{AXIS, CELL_KEY, QuantizedBox, cell_key, steps};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct QuantizedMove([u64; KINDS]);
 
-/// Number of words of [`QuantizedMove`]. The words before `WITHIN` describe the moved box and, as
-/// bytes, the range of boxes that may overlap it before or after the move and that are found in
-/// this cell.
+/// Number of words of [`QuantizedMove`]. `AFTER` is the moved box. `LOWER` and `UPPER` bound the
+/// bytes of boxes found in this cell that may overlap it before or after the move.
 const KINDS: usize = 4;
 /// Index of the word of the box after the move.
 const AFTER: usize = 0;
@@ -27,13 +26,12 @@ const UPPER: usize = 2;
 const WITHIN: usize = 3;
 
 impl QuantizedMove {
-    /// Returns the part of one axis for the moves of a batch, relative to the `nth` cell along the
-    /// axis.
+    /// Returns the words of one axis for a batch of moves, relative to the `nth` cell of each path.
     ///
-    /// `parts` contains the beginning and the end of each box before the move, then after it,
-    /// counted from the first cell around the path, whose number is `low`. At least one of the ends
-    /// must lie in the `nth` cell or behind it. Boxes that begin before a cell are found in another
-    /// cell, unless the cell is the first along the axis.
+    /// `parts` has the ends of each box before and after the move, in 1/256 of a cell. They are
+    /// measured from the beginning of cell `low`, the first cell around the path. At least one of
+    /// the ends must lie in the `nth` cell or behind it. Boxes that begin before a cell are found
+    /// in another cell, unless the cell is the first along the axis.
     #[inline(always)]
     pub(super) fn along<S: Simd>(
         simd: S,
@@ -49,9 +47,9 @@ impl QuantizedMove {
             slices[AFTER][lane] = steps(next_begin, 255 - next_end);
             slices[LOWER][lane] = nth.min(1) as u16;
             slices[UPPER][lane] = steps(end.max(next_end), 255 - begin.min(next_begin));
-            // Maximum bytes of boxes that overlap both before and after, inverted here because
-            // `all` inverts them again. If no box can do so, the cell key becomes zero there, which
-            // no cell has.
+            // The largest bytes of a box that overlaps before and after the move, inverted because
+            // `all` inverts this word. If no such box exists, all key bits are set; inverted they
+            // are zero, which is no cell's key.
             let (first, second) = (end.min(next_end), 255 - begin.max(next_begin));
             slices[WITHIN][lane] = !steps(first.wrapping_sub(1), second.wrapping_sub(1));
             cell_keys[WITHIN][lane] = if (first == 0) | (second == 0) { u16::MAX } else { 0 };

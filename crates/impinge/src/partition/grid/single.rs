@@ -26,7 +26,8 @@ const MAX_DENSE_CELLS: f64 = (1 << 24) as f64;
 ///
 /// A box is stored in each cell that it reaches into, at most 27 cells and eight along an axis.
 /// Larger boxes are kept in a tree beside the cells. The space outside the block belongs to the
-/// cells at its border: results stay exact, but many boxes out there are many boxes in one cell.
+/// cells at its border. Results stay exact, but many boxes outside crowd into few cells, which
+/// slows queries.
 ///
 /// # Complexity
 /// O(1 + boxes in the same cells) for each change and query, if cells are about as large as boxes.
@@ -89,7 +90,8 @@ pub(super) fn validate_cell(cell: f64) -> Result<(), InputError> {
 }
 
 impl UniformGrid {
-    /// Returns an empty grid over `bounds` whose cells have edges of length `cell`.
+    /// Returns an empty grid over `bounds` whose cells have edges of length `cell`, in the unit of
+    /// the boxes.
     ///
     /// # Errors
     /// Returns [`NonFinite`](InputErrorKind::NonFinite) or [`Negative`](InputErrorKind::Negative)
@@ -110,8 +112,8 @@ impl UniformGrid {
 }
 
 impl HashedGrid {
-    /// Returns an empty grid whose cells have edges of length `cell`. About twice the edge length
-    /// of the boxes is a good choice.
+    /// Returns an empty grid whose cells have edges of length `cell`, in the unit of the boxes.
+    /// About twice the edge length of the boxes is a good choice.
     ///
     /// # Errors
     /// Returns [`NonFinite`](InputErrorKind::NonFinite) or [`Negative`](InputErrorKind::Negative)

@@ -270,7 +270,7 @@ impl Dynamic for SweepThreeAxes {
         self.change(key, None, &mut |_, _, _| {})
     }
 
-    /// The changes are recorded while ends pass each other.
+    /// Records the changes while ends of boxes pass each other.
     fn step(&mut self, moves: &[Move], changes: &mut Changes) {
         changes.clear();
         for step in moves {

@@ -7,28 +7,35 @@ use crate::input::{InputError, InputErrorKind};
 #[non_exhaustive]
 #[repr(u8)]
 pub enum Status {
-    /// The answer is proved.
+    /// The poses are valid, and the answer is proved.
     #[default]
     Ok = 0,
-    /// A pose is invalid: an entry is NaN or infinite. The answer is the safe one.
+    /// A pose of this row is invalid: an entry is NaN or infinite. The row has the safe answer that
+    /// its query documents.
     NonFinite = 1,
-    /// A pose is invalid: an entry is out of range. The answer is the safe one.
+    /// A pose of this row is invalid: an entry is out of range. The row has the safe answer that
+    /// its query documents.
     OutOfRange = 2,
-    /// A pose is invalid: the last row of the matrix is not 0, 0, 0, 1. The answer is the safe one.
+    /// A pose of this row is invalid: the last row of its matrix is not 0, 0, 0, 1. The row has the
+    /// safe answer that its query documents.
     NotAffine = 3,
-    /// A pose is invalid: its linear part has no inverse. The answer is the safe one.
+    /// A pose of this row is invalid: its linear part has no inverse. The row has the safe answer
+    /// that its query documents.
     Singular = 4,
-    /// The answer is undecided, so it is the safe one.
+    /// The poses are valid, but the answer is not proved, for example because round shapes nearly
+    /// touch. The row has the answer that its query returns then, such as `true` or a lower bound
+    /// of zero.
     Undecided = 5,
-    /// A pose is invalid for a round shape: it is more than 1e-4 from a rigid motion. The answer is
-    /// the safe one.
+    /// A pose of this row is invalid for a round shape: it is more than 1e-4 from a rigid motion.
+    /// The row has the safe answer that its query documents.
     NotRigid = 6,
 }
 
 /// Answers of a query at many poses, in row-major order of the leading axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answers<T> {
-    /// Leading axes of the answers. Empty for a single row of single poses.
+    /// Length of each leading axis of the answers; the number of rows is the product. Empty for a
+    /// single row of single poses.
     pub shape: Vec<usize>,
     /// Answer of each row.
     pub values: Vec<T>,

@@ -3,7 +3,8 @@
 use std::error::Error;
 use std::fmt;
 
-/// Rows of two operands that each row of an answer uses. Rows are counted in row-major order.
+/// Maps each row of an answer to the rows of the two operands that it uses. Rows are counted in
+/// row-major order.
 #[derive(Clone, Debug)]
 pub struct Broadcast {
     shape: Vec<usize>,
@@ -16,13 +17,14 @@ pub struct Broadcast {
 /// can count.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BroadcastError {
-    /// Leading axes of the two operands.
+    /// Lengths of the leading axes of the two operands.
     pub shapes: [Vec<usize>; 2],
 }
 
 impl Broadcast {
-    /// Returns how two operands with these leading axes broadcast. Axes are aligned at the last
-    /// one. An axis that has length 1 or is missing takes the length of the other operand's axis.
+    /// Returns how two operands broadcast, given the lengths of their leading axes. Axes are
+    /// aligned at the last one. An axis that has length 1 or is missing takes the length of the
+    /// other operand's axis.
     ///
     /// # Errors
     /// If two lengths differ and neither is 1, or if the number of rows exceeds a `usize`.
@@ -67,7 +69,7 @@ impl Broadcast {
         Some(Self { shape, rows, steps })
     }
 
-    /// Returns the leading axes of the answer.
+    /// Returns the length of each leading axis of the answer.
     #[must_use]
     pub fn shape(&self) -> &[usize] {
         &self.shape
@@ -100,7 +102,8 @@ impl Broadcast {
         sources
     }
 
-    /// Returns the index of a row along each of the leading axes `shape`.
+    /// Returns the index of a row along each leading axis. `shape` has the lengths of these axes,
+    /// and `row` must be less than their product.
     ///
     /// # Panics
     /// If an axis has length zero, so that there is no row.

@@ -85,9 +85,9 @@ impl<'e> Execution<'e> {
         Self { progress: None, ..self }
     }
 
-    /// Returns the result of `ask` for each row, in order. `ask` gets the state of its block, the
-    /// row and an interrupt that can end the row early. `begin` makes the state of each block of
-    /// consecutive rows.
+    /// Returns the result of `ask` for each of `count` rows, in order. `ask` gets the state of its
+    /// block, the index of the row, and an interrupt that can end the row early. `begin` makes the
+    /// state of each block of consecutive rows.
     ///
     /// # Errors
     /// [`Stopped`] if the interrupt ended the batch, or if the memory for the answers cannot be

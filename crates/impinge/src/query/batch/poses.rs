@@ -36,8 +36,9 @@ impl From<Vec<Pose>> for Poses {
 }
 
 impl Poses {
-    /// Returns the poses of 4 x 4 matrices, in row-major order of the leading axes `shape`. A
-    /// matrix that is not a valid pose becomes a row with an error ([`Pose::from_matrix`]).
+    /// Returns the poses of 4 x 4 matrices, in row-major order. `shape` has the lengths of the
+    /// leading axes. A matrix that is not a valid pose becomes a row with an error
+    /// ([`Pose::from_matrix`]).
     ///
     /// # Errors
     /// [`OtherCount`](InputErrorKind::OtherCount) if the number of matrices is not the product of
@@ -68,7 +69,7 @@ impl Poses {
         Ok(Self { shape: shape.to_vec(), poses, faults })
     }
 
-    /// Returns the leading axes. Empty for a single pose.
+    /// Returns the length of each leading axis. Empty for a single pose.
     #[must_use]
     pub fn shape(&self) -> &[usize] {
         &self.shape
@@ -89,7 +90,7 @@ impl Poses {
     /// Returns the pose of a row.
     ///
     /// # Errors
-    /// The error of the row, if its pose is invalid.
+    /// Returns the error of the row if its pose is invalid.
     ///
     /// # Panics
     /// If `row` is not less than [`len`](Self::len).

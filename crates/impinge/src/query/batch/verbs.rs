@@ -15,7 +15,7 @@ use crate::query::{
 };
 use crate::shape::Shape;
 
-/// Two things and the poses at which queries are asked. Cloning it is fast.
+/// Two things and the poses at which queries compare them. Cloning it is fast.
 ///
 /// Every query returns [`Answers`]: a value and a [`Status`] for each row. The values are in the
 /// world frame, with the accuracy of the query of the same name in [`query`](crate::query). A row
@@ -29,7 +29,8 @@ pub struct Batch<'e> {
 
 impl<'e> Batch<'e> {
     /// Returns a batch of two things at their poses. Each thing is a mesh, a solid
-    /// (`mesh.solid()`), a shape or a compound.
+    /// (`mesh.solid()`), a shape or a compound. Each pose maps the frame of its thing to the world
+    /// frame.
     ///
     /// Invalid poses are no error here: their rows get a [`Status`].
     ///
@@ -61,19 +62,20 @@ impl<'e> Batch<'e> {
         self.broadcast.rows()
     }
 
-    /// Returns the poses of each thing. A pose that its thing does not accept is invalid, for
-    /// example a pose of a round shape that is not rigid.
+    /// Returns the poses of the first and of the second thing. A pose that its thing does not
+    /// accept is invalid, for example a pose of a round shape that is not rigid.
     #[must_use]
     pub fn poses(&self) -> [&Poses; 2] {
         self.sides.each_ref().map(Side::poses)
     }
 
-    /// Returns the result of `ask` for each row. `ask` gets a query with the cache of its block and
-    /// the interrupt, and the two things at their poses. A row with an invalid pose gets `safe`.
+    /// Returns the result of `ask` for each row. `ask` gets a query with the interrupt and with a
+    /// cache that consecutive rows share, and the two things at their poses. A row with an invalid
+    /// pose gets `safe`.
     ///
     /// # Errors
     /// [`Stopped`] if the interrupt ended the batch, or if the memory for the answers cannot be
-    /// allocated. The same holds for all queries of a batch.
+    /// allocated.
     pub fn each<T: Clone + Send + Sync>(
         &self,
         safe: T,
@@ -104,8 +106,8 @@ impl<'e> Batch<'e> {
         status
     }
 
-    /// Returns [`proximity`](crate::query::proximity()) for each row. The safe answer is
-    /// `Undecided`.
+    /// Returns [`proximity`](crate::query::proximity()) of the two things for each row. A row with
+    /// an invalid pose gets `Undecided`.
     ///
     /// # Errors
     /// As for [`each`](Self::each).
@@ -114,7 +116,8 @@ impl<'e> Batch<'e> {
         Ok(answers.mark_undecided(|&found| found == Proximity::Undecided))
     }
 
-    /// Returns [`intersects`](crate::query::intersects()) for each row. The safe answer is `true`.
+    /// Returns [`intersects`](crate::query::intersects()) of the two things for each row. A row
+    /// with an invalid pose gets `true`, the safe answer.
     ///
     /// # Errors
     /// As for [`each`](Self::each).
@@ -122,7 +125,8 @@ impl<'e> Batch<'e> {
         Ok(self.proximity()?.map(|found| found != Proximity::Apart))
     }
 
-    /// Returns [`nearness`](crate::query::nearness()) for each row. The safe answer is `Undecided`.
+    /// Returns [`nearness`](crate::query::nearness()) of the two things for each row, with a
+    /// clearance in world units. A row with an invalid pose gets `Undecided`.
     ///
     /// # Errors
     /// As for [`each`](Self::each).
@@ -131,7 +135,8 @@ impl<'e> Batch<'e> {
         Ok(answers.mark_undecided(|&found| found == Proximity::Undecided))
     }
 
-    /// Returns [`within`](crate::query::within()) for each row. The safe answer is `true`.
+    /// Returns [`within`](crate::query::within()) of the two things for each row, with a clearance
+    /// in world units. A row with an invalid pose gets `true`, the safe answer.
     ///
     /// # Errors
     /// As for [`each`](Self::each).
@@ -139,8 +144,9 @@ impl<'e> Batch<'e> {
         Ok(self.nearness(clearance)?.map(|found| found != Proximity::Apart))
     }
 
-    /// Returns [`distance`](crate::query::distance()) for each row. The safe answer is zero,
-    /// without nearest points.
+    /// Returns [`distance`](crate::query::distance()) of the two things for each row. For a row
+    /// with an invalid pose both bounds are zero and there are no nearest points. This proves
+    /// nothing: check the status of the row.
     ///
     /// # Errors
     /// As for [`each`](Self::each).
@@ -150,8 +156,8 @@ impl<'e> Batch<'e> {
         Ok(answers.mark_undecided(|found| found.proximity == Proximity::Undecided))
     }
 
-    /// Returns [`penetrates`](crate::query::penetrates()) for each row. The safe answer is
-    /// `Undecided`.
+    /// Returns [`penetrates`](crate::query::penetrates()) of the two things for each row. A row
+    /// with an invalid pose gets `Undecided`.
     ///
     /// # Errors
     /// As for [`each`](Self::each).
@@ -160,8 +166,8 @@ impl<'e> Batch<'e> {
         Ok(answers.mark_undecided(|&found| found == Penetrates::Undecided))
     }
 
-    /// Returns [`penetration`](crate::query::penetration()) for each row. The safe answer is a
-    /// depth between zero and infinity, [`Penetration::UNKNOWN`].
+    /// Returns [`penetration`](crate::query::penetration()) of the two things for each row. A row
+    /// with an invalid pose gets [`Penetration::UNKNOWN`], a depth between zero and infinity.
     ///
     /// # Errors
     /// As for [`each`](Self::each).
@@ -175,8 +181,9 @@ impl<'e> Batch<'e> {
         Ok(answers.mark_undecided(|found| found.1).map(|found| found.0))
     }
 
-    /// Returns [`contacts`](crate::query::contacts()) for each row, with these options. The safe
-    /// answer is an empty list; check the status of the row.
+    /// Returns [`contacts`](crate::query::contacts()) of the two things for each row, with these
+    /// options. A row with an invalid pose gets an empty list. This proves nothing: check the
+    /// status of the row.
     ///
     /// # Errors
     /// As for [`each`](Self::each).
@@ -191,8 +198,8 @@ impl<'e> Batch<'e> {
     }
 
     /// Returns [`intersecting_pairs`](crate::query::intersecting_pairs()) for each row. The list is
-    /// empty if one of the things is not a mesh. The safe answer is an empty list; check the status
-    /// of the row.
+    /// empty if one of the things is not a mesh. A row with an invalid pose gets an empty list too:
+    /// check the status of the row.
     ///
     /// # Errors
     /// As for [`each`](Self::each).
@@ -204,8 +211,8 @@ impl<'e> Batch<'e> {
     }
 
     /// Returns [`intersecting_pairs_up_to`](crate::query::intersecting_pairs_up_to()) for each row.
-    /// The list is empty if one of the things is not a mesh. The safe answer is an empty list;
-    /// check the status of the row.
+    /// The list is empty if one of the things is not a mesh. A row with an invalid pose gets an
+    /// empty list too: check the status of the row.
     ///
     /// # Errors
     /// As for [`each`](Self::each).
@@ -218,8 +225,8 @@ impl<'e> Batch<'e> {
     }
 
     /// Returns [`intersection_curves`](crate::query::intersection_curves()) for each row. There are
-    /// no curves if one of the things is not a mesh. The safe answer has no curves; check the
-    /// status of the row.
+    /// no curves if one of the things is not a mesh. A row with an invalid pose has no curves
+    /// either: check the status of the row.
     ///
     /// # Errors
     /// As for [`each`](Self::each).

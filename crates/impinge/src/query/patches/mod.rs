@@ -27,11 +27,12 @@ use interior::Interior;
 /// Region in which the surfaces of two meshes intersect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactPatch {
-    /// Direction of length 1 from the first mesh to the second, in the world frame: the direction
-    /// of the area that the curves go around. Corners of faces must be in counterclockwise order
-    /// seen from outside.
+    /// Direction of length 1 from the first mesh to the second, in the world frame, rounded. It is
+    /// the direction of the vector area that the curves enclose, or the normal of a face of the
+    /// first mesh if that is zero. Corners of faces must be in counterclockwise order seen from
+    /// outside.
     pub normal: [f64; 3],
-    /// Area that the curves go around, seen along the normal, in square world units, rounded.
+    /// Area that the curves enclose, seen along the normal, in square world units, rounded.
     pub area: f64,
     /// Depth of the region along the normal, in world units, rounded; never negative. It is how far
     /// the part of the first mesh that is inside the second reaches beyond the part of the second
@@ -39,10 +40,12 @@ pub struct ContactPatch {
     pub depth: f64,
     /// Curves in which the surfaces intersect in this region, in the world frame.
     pub curves: Curves,
-    /// Pairs of faces that intersect in this region, sorted.
+    /// Pairs of faces that intersect in this region, sorted: a face of the first mesh and a face of
+    /// the second.
     pub pairs: Vec<[u32; 2]>,
-    /// For each mesh, the vertices that are inside the other mesh and connected to the curves of
-    /// this region, in ascending order.
+    /// For each mesh, the indices of its vertices that are inside the other mesh and connected to
+    /// the curves of this region, in ascending order. Of several vertices at one position only the
+    /// first is listed.
     pub inside: [Vec<u32>; 2],
 }
 

@@ -8,9 +8,9 @@ use crate::input::InputError;
 use crate::math::vec3::{add, dot, scale, sub};
 use crate::volume::points::{Coordinate, validated_bounds, widen};
 
-/// Returns the smallest of three capsules, one along each principal axis. Each has the radius of
-/// the minimal circle of the points projected along its axis, and the shortest segment for that
-/// radius.
+/// Returns a capsule that encloses all points: the smallest of three, one along each principal
+/// axis. Each has the radius of the minimal circle of the points projected along its axis, and the
+/// shortest segment for that radius.
 ///
 /// ```
 /// use impinge::volume::{BoundingVolume, fit};

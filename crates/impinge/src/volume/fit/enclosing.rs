@@ -34,8 +34,8 @@ pub(super) fn scaled_offset(point: [f64; 3], center: [f64; 3], scale: f64) -> [f
 /// Returns the squared length of an offset.
 ///
 /// # Accuracy
-/// For an offset between two double-precision points: two roundings of each difference in its
-/// square, one of the square and two of the sums. The error is within 5.1 half units;
+/// Each difference of double-precision coordinates is rounded once, which counts twice in its
+/// square. The square is rounded once, and the sums twice. The error is within 5.1 half units;
 /// [`SQUARE_ERROR`] is larger.
 #[inline(always)]
 pub(super) fn squared(offset: [f64; 3]) -> f64 {

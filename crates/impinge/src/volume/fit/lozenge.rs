@@ -8,10 +8,12 @@ use crate::input::InputError;
 use crate::math::vec3::{add, dot, scale};
 use crate::volume::points::{Coordinate, validated_bounds, widen};
 
-/// Returns the smallest of the lozenges whose thickness is along a principal axis.
+/// Returns a lozenge that encloses all points. It is the smallest by volume of six candidates: a
+/// short and a long rectangle for each principal axis as the thickness.
 ///
-/// The radius starts as half the extent along that axis. The rectangle is as short as the rounded
-/// rims allow for that radius. Finally the radius grows until it covers corners that stick out.
+/// The short rectangle leaves out points that the rounded rims cover; the long one covers the
+/// projections of all points. Finally the radius becomes the greatest distance of a point from the
+/// rectangle.
 ///
 /// ```
 /// use impinge::volume::{BoundingVolume, fit};
@@ -28,9 +30,7 @@ use crate::volume::points::{Coordinate, validated_bounds, widen};
 /// About 20 passes over memory.
 ///
 /// # Source
-/// The authors' covariance fit, with all three axes tried for the thickness. They move the sides
-/// outward until no corner sticks out. Here both options are tried: sides that enclose all corners,
-/// and a larger radius.
+/// Larsen et al. 1999, section 3.3. Ours tries all three axes, and a larger radius.
 pub fn lozenge<T: Coordinate>(points: &[[T; 3]]) -> Result<Lozenge, InputError> {
     let bounds = validated_bounds(points)?;
     let scale_up = unit_scale(&bounds);

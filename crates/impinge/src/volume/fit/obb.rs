@@ -27,7 +27,7 @@ struct Set<'a, T> {
     scale: f64,
 }
 
-/// Returns the box along the principal axes.
+/// Returns an oriented box that encloses all points, along their principal axes.
 ///
 /// # Errors
 /// Same as [`BoundingVolume::of_points`].
@@ -43,7 +43,7 @@ pub fn principal_obb<T: Coordinate>(points: &[[T; 3]]) -> Result<Obb, InputError
     Ok(set.box_along(principal_axes(points, set.origin, set.scale)))
 }
 
-/// Returns a box of nearly minimal volume.
+/// Returns an oriented box of nearly minimal volume that encloses all points.
 ///
 /// Candidates are the axis-aligned box, the box along the principal axes, one along approximate
 /// diameters, and boxes along fixed directions. Each candidate is then improved, as long as that

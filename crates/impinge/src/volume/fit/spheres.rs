@@ -107,8 +107,8 @@ impl GrowingSphere {
     }
 }
 
-/// Returns a sphere around the mean of the points. The mean lies in their hull, so the radius is
-/// less than twice the minimal one.
+/// Returns a sphere that encloses all points, around their mean. The mean lies in their hull, so
+/// the radius is less than twice the minimal one.
 ///
 /// # Errors
 /// Same as [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).
@@ -123,8 +123,8 @@ pub fn mean_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, Inp
     Ok(set.fitted(moments::mean(points, set.middle(), set.scale), None))
 }
 
-/// Returns a sphere around the center of the box. Half the diagonal of the box is at most √3 times
-/// the minimal radius, so the radius of the sphere is, too.
+/// Returns a sphere that encloses all points, around the center of their axis-aligned box. Half the
+/// diagonal of the box is at most √3 times the minimal radius, so the radius of the sphere is, too.
 ///
 /// # Errors
 /// Same as [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).
@@ -139,8 +139,8 @@ pub fn box_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, Inpu
     Ok(set.fitted(set.middle(), None))
 }
 
-/// Returns Ritter's sphere. It starts with the two most distant of the points that are extreme
-/// along the axes, and grows to all others.
+/// Returns Ritter's sphere, which encloses all points. It starts with the two most distant of the
+/// points that are extreme along the axes, and grows to all others.
 ///
 /// # Errors
 /// Same as [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).
@@ -169,8 +169,8 @@ pub fn ritter_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere, I
     Ok(set.fitted(set.grown(pair).center, Some(pair)))
 }
 
-/// Returns a sphere that starts with the two points that are extreme along the first principal
-/// axis, and grows to all others.
+/// Returns a sphere that encloses all points. It starts with the two points that are extreme along
+/// the first principal axis, and grows to all others.
 ///
 /// # Errors
 /// Same as [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).
@@ -187,7 +187,8 @@ pub fn principal_sphere<T: Coordinate>(points: &[[T; 3]]) -> Result<FittedSphere
     Ok(set.fitted(set.grown(pair).center, Some(pair)))
 }
 
-/// Returns the smallest of several spheres: Ritter's, then shrunk and grown again in other orders.
+/// Returns a sphere that encloses all points: the smallest of Ritter's sphere and of those that
+/// come from shrinking it and growing it again in other orders.
 ///
 /// # Errors
 /// Same as [`BoundingVolume::of_points`](super::super::BoundingVolume::of_points).

@@ -88,25 +88,25 @@ impl Proxies {
         &self.hull
     }
 
-    /// Returns the axis-aligned box.
+    /// Returns the axis-aligned box of the points, exactly.
     #[must_use]
     pub fn bounds(&self) -> MinMax {
         self.volumes.bounds
     }
 
-    /// Returns the minimal sphere.
+    /// Returns the minimal sphere around the points, as [`fit::minimal_sphere`] builds it.
     #[must_use]
     pub fn sphere(&self) -> BoundingSphere {
         self.volumes.sphere
     }
 
-    /// Returns the capsule built by [`fit::capsule`].
+    /// Returns the capsule around the points that [`fit::capsule`] builds.
     #[must_use]
     pub fn capsule(&self) -> Capsule {
         self.volumes.capsule
     }
 
-    /// Returns the lozenge built by [`fit::lozenge`].
+    /// Returns the lozenge around the points that [`fit::lozenge`] builds.
     #[must_use]
     pub fn lozenge(&self) -> Lozenge {
         self.volumes.lozenge
@@ -118,19 +118,19 @@ impl Proxies {
         self.volumes.obb
     }
 
-    /// Returns the polytope with 14 faces.
+    /// Returns the polytope with 14 faces around the points.
     #[must_use]
     pub fn kdop14(&self) -> Kdop14 {
         self.volumes.kdop14
     }
 
-    /// Returns the polytope with 18 faces.
+    /// Returns the polytope with 18 faces around the points.
     #[must_use]
     pub fn kdop18(&self) -> Kdop18 {
         self.volumes.kdop18
     }
 
-    /// Returns the polytope with 26 faces.
+    /// Returns the polytope with 26 faces around the points.
     #[must_use]
     pub fn kdop26(&self) -> Kdop26 {
         self.volumes.kdop26

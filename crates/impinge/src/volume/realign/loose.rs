@@ -14,8 +14,8 @@ use crate::volume::MinMax;
 /// below it. The radius is enlarged by this amount, so the box keeps its size under rotations.
 const MAX_ROW_EXCESS: f64 = 4096.0 * f64::EPSILON;
 
-/// Way (a) of the *Notes*: a box around the sphere that is centered at the pivot and passes through
-/// the farthest point.
+/// A box around the sphere that is centered at the pivot and passes through the farthest point: way
+/// (a) of the *Notes*.
 ///
 /// Under a rotation only its center moves. If the pivot is the origin, only the translation moves
 /// it.
@@ -56,7 +56,8 @@ impl LooseBox {
         Ok(Self { pivot, radius: squared.sqrt() * (1.0 + MAX_ROW_EXCESS) + UNDERFLOW_LOSS })
     }
 
-    /// Returns the radius of the sphere as used for rotations.
+    /// Returns the radius of the sphere around the pivot, rounded up. It is the half-extent of the
+    /// box under any rotation.
     #[must_use]
     pub fn radius(&self) -> f64 {
         self.radius

@@ -29,7 +29,8 @@ pub use tight::{ClimbingHull, TightHull, TightPoints};
 use super::MinMax;
 use crate::math::Pose;
 
-/// A way of bounding one object by a box under any pose.
+/// A way of bounding one object, given in its local frame, by an axis-aligned box in the world
+/// frame under any pose.
 ///
 /// ```
 /// use impinge::Pose;

@@ -13,7 +13,7 @@ use crate::volume::MinMax;
 /// [`RotatedBox::new`].
 const ROUNDING: f64 = 8.0 * UNIT_ROUNDOFF;
 
-/// Way (d) of the *Notes*: the box, under the current pose, of the box that was built.
+/// The axis-aligned box around the rotated box of an object: way (d) of the *Notes*.
 ///
 /// It is always the *original* box that is rotated. Boxes of boxes grow with each rotation, by up
 /// to √3 in length.
@@ -51,7 +51,8 @@ impl RotatedBox {
         Self { center, half_extents }
     }
 
-    /// Computes the images of many boxes under one pose. They replace the contents of `images`.
+    /// Computes for each box, under one pose, an axis-aligned box in the world frame that encloses
+    /// it. The results replace the contents of `images`.
     ///
     /// The results are the same bits that [`realign`](Realign::realign) returns for each box.
     pub fn realign_all(boxes: &[Self], world_from_local: &Pose, images: &mut Vec<MinMax>) {
@@ -64,8 +65,9 @@ impl RotatedBox {
         });
     }
 
-    /// Computes the images of many boxes, each under its own pose. They replace the contents of
-    /// `images`. If there are more boxes than poses or more poses than boxes, the rest is ignored.
+    /// Computes for each box, under its own pose, an axis-aligned box in the world frame that
+    /// encloses it. The results replace the contents of `images`. Surplus boxes or poses are
+    /// ignored.
     ///
     /// The results are the same bits that [`realign`](Realign::realign) returns for each box.
     pub fn realign_each(boxes: &[Self], world_from_locals: &[Pose], images: &mut Vec<MinMax>) {

@@ -8,8 +8,8 @@ use crate::input::InputError;
 use crate::math::Pose;
 use crate::volume::MinMax;
 
-/// Way (b) of the *Notes*: scans every point (algorithm 2.2, whose initial extremes are swapped
-/// there).
+/// The tight box of points, found by a scan of every point: way (b) of the *Notes* (algorithm 2.2,
+/// whose initial extremes are swapped there). Its bounds are the exact extremes, rounded outward.
 ///
 /// # Complexity
 /// O(points), in single precision at the speed of memory: 12 bytes per point.
@@ -41,7 +41,8 @@ impl<T: Copy + Into<f64> + Sync> Realign for TightPoints<'_, T> {
     }
 }
 
-/// Way (b) on the hull: scans only its vertices.
+/// The tight box of an object, found by a scan of the vertices of its hull. It equals that of
+/// [`TightPoints`].
 ///
 /// # Complexity
 /// O(vertices), like [`TightPoints`].
@@ -69,8 +70,9 @@ impl Realign for TightHull<'_> {
     }
 }
 
-/// Way (c) of the *Notes*: climbs to each extreme from the last one. The extreme found is always
-/// the true one, however large the rotation. Smaller rotations are faster.
+/// The tight box of an object, found by climbing over its hull from the last extremes: way (c) of
+/// the *Notes*. The extremes found are always the true ones, however large the rotation. Smaller
+/// rotations are faster.
 ///
 /// # Complexity
 /// As many steps as there are vertices between the last extremes and the new ones. If a climb has
@@ -98,7 +100,8 @@ impl<'h> ClimbingHull<'h> {
         Self { hull, last: last.map(|ends| ends.map(|end| if end < count { end } else { 0 })) }
     }
 
-    /// Returns the minimal and maximal vertex along each world axis at the last call.
+    /// Returns the numbers of the minimal and the maximal vertex along each world axis at the last
+    /// call. Before the first call they are where the climbs start.
     #[must_use]
     pub fn extremes(&self) -> [[u32; 2]; 3] {
         self.last

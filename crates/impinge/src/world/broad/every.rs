@@ -4,7 +4,7 @@
 use crate::partition::Ray;
 use crate::volume::{BoundingVolume, MinMax};
 
-/// Value that stands for "no place".
+/// Value that stands for "no box".
 const NONE: u32 = u32::MAX;
 
 /// An array of boxes.

@@ -35,8 +35,8 @@ const SHARE_FOR_COLUMNS: f64 = 0.04;
 /// choice; a burst of two steps may.
 const LAST_STEP_WEIGHT: f64 = 0.03;
 
-/// Method by which overlapping pairs of boxes are found. No result depends on it; `docs/tasks/worlds.md`
-/// compares the methods.
+/// Method by which overlapping pairs of boxes are found. No result depends on it;
+/// `docs/tasks/worlds.md` compares the methods.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BroadPhase {
     /// Chooses by the number of bodies, the share of them that moves, and their sizes. Uses

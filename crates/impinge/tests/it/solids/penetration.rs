@@ -234,3 +234,25 @@ fn overlapping_shells_are_never_answered_wrongly() {
 fn empty_meshes_have_no_interior() {
     assert_eq!(penetrates(&Mesh::default(), &sphere(), [Affine::IDENTITY; 2]), Penetrates::No);
 }
+
+/// Copies of a body in one place add faces at every edge, and a contact for each pair of them. They
+/// enclose the same points.
+#[test]
+fn bodies_that_coincide_many_times_answer_as_one() {
+    const COPIES: usize = 12;
+    let copies = |mesh: &Mesh| (1..COPIES).fold(mesh.clone(), |all, _| all.joined(mesh));
+    let mut rng = Rng::new(50);
+    let mut counts = [0; 3];
+    for case in 0..60 {
+        let mut offset = || rng.integer(-2, 2) as f64;
+        let (a, b) = (
+            solids::cuboid([0.0; 3], [2.0; 3]),
+            moved(solids::cuboid([0.0; 3], [2.0; 3]), [offset(), offset(), offset()]),
+        );
+        let expected = penetrates(&a, &b, [Affine::IDENTITY; 2]);
+        let answer = penetrates(&copies(&a), &copies(&b), [Affine::IDENTITY; 2]);
+        assert_eq!(answer, expected, "case {case}");
+        counts[answer as usize] += 1;
+    }
+    assert!(counts[0] > 10 && counts[2] > 10, "{counts:?}");
+}

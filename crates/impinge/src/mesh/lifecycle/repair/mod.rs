@@ -1,5 +1,5 @@
 //! Repairs a mesh on request: welds vertices within a tolerance, and turns faces so that neighbors
-//! agree on a side.
+//! agree on their orientation.
 //!
 //! Nothing is removed and nothing is renumbered, so answers about the repaired mesh use the face
 //! and vertex numbers of the input.
@@ -20,7 +20,7 @@ pub struct RepairOptions {
     /// Maximum distance by which a vertex may be moved to an earlier one, in the unit of the mesh.
     /// If it is zero, no vertex is moved.
     pub weld: f64,
-    /// Whether faces are turned so that neighbors agree on a side.
+    /// Whether faces are turned so that neighbors agree on their orientation.
     pub orient: bool,
 }
 
@@ -29,11 +29,12 @@ pub struct RepairOptions {
 pub struct Repair {
     /// Vertices that were moved to the position of an earlier one.
     pub welded_vertices: Vec<u32>,
-    /// Maximum distance by which a vertex was moved, in the unit of the mesh, rounded to nearest.
+    /// Maximum distance by which a vertex was moved, in the unit of the mesh, rounded. Zero if none
+    /// was moved.
     pub greatest_move: f64,
     /// Faces whose second and third corner were swapped.
     pub turned_faces: Vec<u32>,
-    /// Faces of sheets that have only one side, such as a Möbius strip. They are unchanged.
+    /// Faces of sheets that cannot be oriented, such as a Möbius strip. They are unchanged.
     pub one_sided_faces: Vec<u32>,
     /// Faces without area after the repair. They are not removed.
     pub degenerate_faces: Vec<u32>,
@@ -49,12 +50,13 @@ impl Mesh {
     /// and vertices that have stayed are farther apart. Distances are rounded. Faces that become
     /// segments or points are reported and kept.
     ///
-    /// **Orienting.** Faces are linked across each edge that exactly two of them have, first by the
-    /// numbers of its vertices and then by their positions. Linked faces form a sheet. In each
-    /// sheet all faces get the same side:
-    /// 1. the side that at least three quarters of its area have already;
-    /// 2. or else, if the sheet is closed, the side with which it encloses a positive volume;
-    /// 3. or else the side that most of its area has.
+    /// **Orienting.** Two faces are linked if an edge belongs to exactly these two. Edges are
+    /// matched by vertex indices first, and those left over by vertex positions. Linked faces form
+    /// a sheet. All faces of a sheet get one orientation:
+    /// 1. the orientation that at least three quarters of its area have already;
+    /// 2. or else, if the sheet is closed, the orientation with which it encloses a positive
+    ///    volume;
+    /// 3. or else the orientation that most of its area has.
     ///
     /// If all closed sheets together then enclose a negative volume, all of them are turned. So
     /// cavities stay cavities, and a mesh that was inside out is corrected. Areas and volumes are
@@ -115,10 +117,10 @@ impl Mesh {
         Ok((mesh, repair))
     }
 
-    /// Returns the smallest tolerance at which [welding](Self::repaired) closes every open edge.
-    /// The candidates are 10^-16, 10^-15, up to 10^-4 of the size of the mesh, where the size is
-    /// its largest extent, rounded up to a power of ten. Returns `None` if no candidate closes all
-    /// edges, if no edge is open, or if more than 131,072 edges are open.
+    /// Returns the smallest tolerance, in the unit of the mesh, at which [welding](Self::repaired)
+    /// closes every open edge. The candidates are 10^-16, 10^-15, up to 10^-4 of the size of the
+    /// mesh, where the size is its largest extent, rounded up to a power of ten. Returns `None` if
+    /// no candidate closes all edges, if no edge is open, or if more than 131,072 edges are open.
     ///
     /// An edge is open if an odd number of faces have it.
     ///

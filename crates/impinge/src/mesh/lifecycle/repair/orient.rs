@@ -1,5 +1,5 @@
-//! Finds the faces to turn so that neighbors agree on a side.
-//! `Mesh::repaired` documents how the side is chosen.
+//! Finds the faces to turn so that neighbors agree on their orientation. `Mesh::repaired` documents
+//! how the orientation is chosen.
 
 use crate::math::vec3::{cross, dot, sub};
 use crate::mesh::Positions;
@@ -8,7 +8,7 @@ use crate::mesh::Positions;
 pub(super) struct Orientation {
     /// Faces to turn.
     pub(super) turned: Vec<u32>,
-    /// Faces of sheets with only one side.
+    /// Faces of sheets that cannot be oriented.
     pub(super) one_sided: Vec<u32>,
 }
 
@@ -27,7 +27,7 @@ fn sign(is_positive: bool) -> i64 {
     if is_positive { 1 } else { -1 }
 }
 
-/// A sheet, with sides relative to its root face as given.
+/// A sheet, with orientations relative to the given orientation of its root face.
 #[derive(Clone, Copy, Default)]
 struct Sheet {
     /// Twice the area of the faces that agree with the root, and of the other faces.
@@ -40,7 +40,7 @@ struct Sheet {
     is_turned: bool,
 }
 
-/// Chooses the side of each face. `names` contains for each vertex the first vertex at its
+/// Chooses the orientation of each face. `names` contains for each vertex the first vertex at its
 /// position.
 pub(super) fn orientation(positions: &Positions, faces: &[[u32; 3]], names: &[u32]) -> Orientation {
     let mut links = Links::new(faces.len());
@@ -109,7 +109,7 @@ pub(super) fn orientation(positions: &Positions, faces: &[[u32; 3]], names: &[u3
     orientation
 }
 
-/// Chooses the side of each sheet.
+/// Chooses the orientation of each sheet.
 fn choose_sides(sheets: &mut [Sheet]) {
     for sheet in sheets.iter_mut() {
         let [agreeing, other] = sheet.areas;
@@ -142,7 +142,7 @@ fn shares(faces: &[[u32; 3]]) -> Vec<Share> {
     shares
 }
 
-/// Disjoint sets of faces. For each face it is known whether it agrees on a side with the root of
+/// Disjoint sets of faces. For each face it is known whether it has the orientation of the root of
 /// its set (Tarjan and van Leeuwen, *Worst-case Analysis of Set Union Algorithms*, JACM 31(2),
 /// 1984; the parity along each path is ours).
 struct Links {
@@ -171,7 +171,7 @@ impl Links {
         (face, agrees)
     }
 
-    /// Links two faces that agree on a side, or that do not.
+    /// Links two faces. `agree` tells whether they have the same orientation.
     fn join(&mut self, a: u32, b: u32, agree: bool) {
         let ((root_a, agrees_a), (root_b, agrees_b)) = (self.root(a), self.root(b));
         let roots_agree = (agrees_a == agrees_b) == agree;

@@ -59,7 +59,8 @@ impl Stayed {
             for y in places[1].neighbors() {
                 for z in places[2].neighbors() {
                     for &(other, point) in self.cells.get(&[x, y, z]).into_iter().flatten() {
-                        // In units of the tolerance, so that no square underflows or overflows.
+                        // The step is in units of the tolerance, so that no square underflows or
+                        // overflows.
                         let step = [0, 1, 2].map(|k| (at[k] - point[k]) / self.tolerance);
                         let distance = length(&step);
                         if distance <= 1.0 && nearest.is_none_or(|found| (distance, other) < found) {

@@ -2,8 +2,8 @@
 //! undecided.
 //!
 //! Source: Devillers, Guigue, *Faster triangle-triangle intersection tests*, INRIA RR-4488, 2002,
-//! on eight lanes. Ours departs in that every sign has an error bound (docs/notes/proof.md, L4). A lane
-//! is undecided unless all of its signs are certain.
+//! on eight lanes. Ours departs in that every sign has an error bound (docs/notes/proof.md, L4). A
+//! lane is undecided unless all of its signs are certain.
 //!
 //! Guarded by the tests in `filter/tests`, by `engine/triangle_pairs.rs`, and by the benchmark
 //! `headline`.

@@ -1,9 +1,9 @@
-//! The plane across an axis that cuts a cell best, by the surface area heuristic at the borders of
-//! bins.
+//! The axis-aligned plane that cuts a cell at the least cost, by the surface area heuristic at the
+//! borders of bins.
 //!
 //! Source: MacDonald, Booth, *Heuristics for ray tracing using space subdivision*, 1990; Shevtsov,
-//! Soupikov, Kapustin, *Highly parallel fast kd-tree construction*, 2007, for counting in bins the
-//! places at which faces begin and end.
+//! Soupikov, Kapustin, *Highly parallel fast kd-tree construction*, 2007, for counting the faces
+//! that begin and end in each bin.
 
 /// Number of bins along an axis. One border less is tried. More bins find better planes and cost
 /// time.
@@ -40,9 +40,9 @@ impl Region {
         x * y + y * z + z * x
     }
 
-    /// Returns the axis and the coordinate of the plane that makes rays fastest. Returns `None` if
-    /// comparing rays with all faces costs no more. `faces` has the minimum and maximum corners of
-    /// the faces' boxes.
+    /// Returns the axis and the coordinate of the axis-aligned plane with the least expected cost
+    /// of a ray. Returns `None` if comparing the ray with all faces costs no more. `faces` has the
+    /// minimum and maximum corners of the faces' boxes.
     pub(super) fn best_plane(&self, faces: &[[[f64; 3]; 2]]) -> Option<(usize, f64)> {
         let whole = self.area();
         let mut best = (faces.len() as f64, None);

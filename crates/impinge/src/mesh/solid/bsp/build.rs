@@ -1,5 +1,5 @@
-//! Builds the tree: planes across an axis cut space while that makes rays faster, and the faces'
-//! own planes cut cells with few faces.
+//! Builds the BSP tree. Axis-aligned planes cut space as long as that lowers the expected cost of a
+//! ray. Cells with few faces are then cut by the planes of their faces.
 
 use super::across::Region;
 use super::plane::CutPlane;
@@ -8,12 +8,13 @@ use crate::exact::{WidePlane, collinear};
 use crate::math::Sign;
 use crate::mesh::Mesh;
 
-/// Maximum number of faces of a cell that is cut by the planes of its faces without trying planes
-/// across an axis.
+/// Maximum number of faces of a cell that is cut only by the planes of its faces, never by
+/// axis-aligned planes.
 const MAX_FACES_WITHOUT_AXIS_PLANE: usize = 3;
 
-/// Maximum number of faces of a cell that is cut by the planes of its faces if no plane across an
-/// axis is worth it, as around a corner. A larger number finishes more cells and costs more cuts.
+/// Maximum number of faces of a cell that is cut by the planes of its faces if no axis-aligned
+/// plane is worth its cost, as around a corner. A larger number finishes more cells and costs more
+/// cuts.
 const MAX_FACES_FOR_FACE_PLANE: usize = 64;
 
 /// Maximum number of faces whose planes are compared for one cut.
@@ -23,7 +24,7 @@ const MAX_PLANES_TRIED: usize = 6;
 /// face makes a copy. A larger number finishes more cells and takes more time and memory.
 const COPIES_PER_FACE: usize = 8;
 
-/// Maximum number of planes across an axis on the way to a cell.
+/// Maximum number of axis-aligned planes on the way to a cell.
 const MAX_AXIS_DEPTH: usize = 64;
 
 impl SolidBsp {
@@ -73,9 +74,11 @@ struct Task {
     depth: usize,
     /// The parent cut, and whether the list belongs above it. `None` for the root.
     parent: Option<(u32, bool)>,
-    /// Whether a plane of a face cuts space above this in the tree. Rays do not descend that far.
+    /// Whether an ancestor in the tree is the plane of a face. Rays stop at the first such
+    /// ancestor.
     is_inner: bool,
-    /// Maximum number of faces of this list that may still be copied.
+    /// Maximum number of copies of faces that cuts of this list, and all cuts below, may still
+    /// make.
     spare: usize,
 }
 
@@ -148,8 +151,9 @@ impl<'m> Building<'m> {
         }
     }
 
-    /// Returns a plane across an axis that makes rays faster. A face that it cuts is left out of a
-    /// side if the plane of the face does not reach into that side's region.
+    /// Returns the axis-aligned plane with the least cost by the surface area heuristic, or `None`
+    /// if no plane lowers the cost. A face that it cuts is left out of a side if the plane of the
+    /// face does not reach into that side's region.
     fn across(&self, faces: &[u32], region: &Region) -> Option<Chosen> {
         let extents: Vec<_> = faces.iter().map(|&face| self.extents[face as usize]).collect();
         let (axis, at) = region.best_plane(&extents)?;

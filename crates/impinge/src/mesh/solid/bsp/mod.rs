@@ -3,16 +3,16 @@
 //!
 //! Source: Thibault, Naylor, *Set operations on polyhedra using binary space partitioning trees*,
 //! SIGGRAPH 1987 (Ericson, 8.2 to 8.4). Ours departs in three ways. Faces that a plane cuts go to
-//! both sides whole, because pieces of them would be rounded. Planes across an axis come first and
+//! both sides whole, because pieces of them would be rounded. Axis-aligned planes come first and
 //! planes of faces last, so that round solids get trees of small depth too: no plane of their faces
 //! halves the others. And whether a cell is inside is computed, exactly, when a point first falls
 //! into it.
 //!
-//! `plane` has the planes and `tree` the tree with its point queries. `across` finds planes across
-//! an axis for `build`, and `cast` follows rays.
+//! `plane` has the planes and `tree` the tree with its point queries. `across` finds axis-aligned
+//! planes for `build`, and `cast` follows rays.
 //!
-//! Proof: docs/notes/proof.md, L32. Guarded by `tests/it/solids/bsp.rs` and by the benchmark `solid_bsp`
-//! of `impinge-bench`.
+//! Proof: docs/notes/proof.md, L32. Guarded by `tests/it/solids/bsp.rs` and by the benchmark
+//! `solid_bsp` of `impinge-bench`.
 
 mod across;
 mod build;

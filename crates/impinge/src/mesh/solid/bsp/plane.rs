@@ -1,5 +1,5 @@
-//! Planes that cut space, across an axis or of a face: the sides of points, exactly, and the
-//! parameters at which rays pass planes across an axis.
+//! Planes that cut space, axis-aligned or of a face: the sides of points, exactly, and the
+//! parameters at which rays pass axis-aligned planes.
 
 use crate::exact::{WidePlane, orient3d};
 use crate::math::Sign;
@@ -8,7 +8,7 @@ use crate::mesh::Mesh;
 /// A plane that cuts space, in the mesh's own frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum CutPlane {
-    /// The plane of the points whose coordinate along an axis is `at`.
+    /// The axis-aligned plane of the points whose coordinate along `axis` is `at`.
     Across { axis: usize, at: f64 },
     /// The plane of a face. The side from which its corners are counterclockwise is above.
     OfFace(u32),
@@ -46,8 +46,8 @@ impl CutPlane {
     }
 }
 
-/// Returns how a ray passes the plane across an axis at `at`, given the ray's origin and direction
-/// along that axis.
+/// Returns how a ray passes the axis-aligned plane at coordinate `at`, given the ray's origin and
+/// direction along that axis.
 ///
 /// The difference and the quotient are rounded once each. A result that vanishes is below the least
 /// normal number.

@@ -48,9 +48,9 @@ pub struct SolidBsp {
     pub(super) is_closed: bool,
 }
 
-/// A plane, and the faces that are compared with a ray there. At a plane across an axis these are
-/// the faces of its cell that lie in it. At the first plane of a face these are all faces of its
-/// cell, and rays do not descend further.
+/// A plane, and the faces that are compared with a ray there. At an axis-aligned plane these are
+/// the faces of its cell that lie in the plane. At the first plane of a face these are all faces of
+/// its cell, and rays do not descend further.
 #[derive(Debug)]
 pub(super) struct Cut {
     pub(super) plane: CutPlane,
@@ -83,8 +83,8 @@ impl SolidBsp {
     /// Returns an error if a coordinate is not finite, or above 2^300 in magnitude.
     ///
     /// # Accuracy
-    /// Exact for closed meshes (docs/notes/proof.md, L32). Around an open mesh the winding number is not
-    /// constant in a cell, so it is computed for each point.
+    /// Exact for closed meshes (docs/notes/proof.md, L32). Around an open mesh the winding number
+    /// is not constant in a cell, so it is computed for each point.
     pub fn contains(&self, point: [f64; 3]) -> Result<Containment, InputError> {
         InputError::validate_row(&point, "point", 0)?;
         let ask = || PointClassifier::new(&self.mesh).containment(&PosedPoint::local(Spot::At(point)));
