@@ -91,7 +91,13 @@ class MeshBase:
 
 @final
 class Model:
-    def __new__(cls, path: str | os.PathLike[str], unit: str | None) -> Self: ...
+    def __new__(
+        cls,
+        path: str | os.PathLike[str],
+        unit: str | None,
+        max_bytes: int | None = None,
+        max_triangles: int | None = None,
+    ) -> Self: ...
     @staticmethod
     def of_baked(baked: memoryview) -> Model: ...
     @property

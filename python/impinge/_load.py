@@ -11,11 +11,17 @@ from impinge import _impinge
 from impinge._errors import InputError, LoadWarning
 from impinge._mesh import Mesh
 from impinge._origin import Origin, origin_of
-from impinge._scalars import path_of
+from impinge._scalars import path_of, whole
 from impinge._scene import Scene
 
 
-def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
+def load(
+    path: str | os.PathLike[str],
+    unit: str | None = None,
+    *,
+    max_bytes: int | None = None,
+    max_triangles: int | None = None,
+) -> Mesh:
     r"""Load all triangles of a mesh file as one mesh.
 
     The formats are OBJ, STL, PLY, OFF, glTF, GLB, 3MF, COLLADA and baked meshes. Numbers keep the
@@ -34,6 +40,14 @@ def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
         Unit of the returned vertices. If the file states another unit, coordinates are converted.
         Each is rounded once, or twice if neither unit is an integer multiple of the other. A file
         that states no unit is assumed to use this one. Without `unit`, vertices are not converted.
+    max_bytes : int, optional
+        Maximum number of bytes of the file, of the content that it unpacks to, and of all files
+        that it refers to, each. Without it, only unpacked content is limited: to 64 MiB plus 64
+        times the size of the packed file.
+    max_triangles : int, optional
+        Maximum number of triangles, counted over all instances. Without it, the limit is 2^31. In
+        files with instances it is 16 triangles per byte of the file, at least 2^20 and at most
+        2^24, or 4 per byte if that is more.
 
     Returns
     -------
@@ -43,9 +57,11 @@ def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
     Raises
     ------
     OSError
-        If the file cannot be read; `FileNotFoundError` if it does not exist.
+        If the file cannot be read or is not a regular file; `FileNotFoundError` if it does not
+        exist.
     InputError
-        If the content is invalid; the error names the line, byte or entry.
+        If the content is invalid; the error names the line, byte or entry. If a limit is exceeded,
+        `InputError.kind` is ``"too-many"``.
 
     Warns
     -----
@@ -65,11 +81,17 @@ def load(path: str | os.PathLike[str], unit: str | None = None) -> Mesh:
     array([0, 0], dtype=uint32)
     """
     path = path_of(path, "path")
-    model = _model(path, unit)
+    model = _model(path, unit, max_bytes, max_triangles)
     return Mesh._of(model, origin_of(model, path))
 
 
-def load_scene(path: str | os.PathLike[str], unit: str | None = None) -> Scene:
+def load_scene(
+    path: str | os.PathLike[str],
+    unit: str | None = None,
+    *,
+    max_bytes: int | None = None,
+    max_triangles: int | None = None,
+) -> Scene:
     r"""Load the parts of a file as a scene of named meshes, each at its place in the file.
 
     Parameters
@@ -77,6 +99,8 @@ def load_scene(path: str | os.PathLike[str], unit: str | None = None) -> Scene:
     path : str or os.PathLike
         As for `load`.
     unit : {"um", "mm", "cm", "in", "ft", "m"}, optional
+        As for `load`.
+    max_bytes, max_triangles : int, optional
         As for `load`.
 
     Returns
@@ -109,7 +133,7 @@ def load_scene(path: str | os.PathLike[str], unit: str | None = None) -> Scene:
     (Scene(2 parts, 1 pairs), [('floor', 'wall')])
     """
     path = path_of(path, "path")
-    model = _model(path, unit)
+    model = _model(path, unit, max_bytes, max_triangles)
     vertices, faces, part_of, sources = model.vertices, model.faces, model.part_of, model.sources
     order = np.argsort(part_of, kind="stable")
     ends = np.searchsorted(part_of[order], np.arange(len(model.parts) + 1))
@@ -131,11 +155,13 @@ def _unique_name(given: str, number: int, taken: dict[str, Mesh]) -> str:
     return name
 
 
-def _model(path: str, unit: str | None) -> _impinge.Model:
+def _model(path: str, unit: str | None, max_bytes: int | None, max_triangles: int | None) -> _impinge.Model:
     """Read a file; for each part that was skipped, warn at the caller of the public function."""
     if unit is not None and not isinstance(unit, str):
         raise InputError(f"must be a str, not {type(unit).__name__}", kind="unit", what="unit")
-    model = _impinge.Model(path, unit)
+    limits = {"max_bytes": max_bytes, "max_triangles": max_triangles}
+    checked = {name: None if limit is None else whole(limit, name) for name, limit in limits.items()}
+    model = _impinge.Model(path, unit, **checked)
     for warning in model.warnings:
         warnings.warn(f"{path}: {warning}", LoadWarning, stacklevel=3)
     if len(model.part_of) == 0:

@@ -1,6 +1,7 @@
 """Files: formats, units, origins, warnings and errors."""
 
 import mmap
+import os
 import pickle
 import subprocess
 import sys
@@ -239,6 +240,39 @@ def test_units_are_converted_if_a_file_states_one(tmp_path):
     with pytest.raises(impinge.InputError) as caught:
         impinge.load(stated, unit="furlong")
     assert (caught.value.kind, caught.value.what) == ("unit", "unit")
+
+
+def test_limits_are_respected_and_named(tmp_path):
+    path = tmp_path / "cube.obj"
+    path.write_text(OBJ)
+    size, triangles = path.stat().st_size, impinge.load(path).face_count
+    for load in (impinge.load, impinge.load_scene):
+        load(path, max_bytes=size, max_triangles=triangles)
+        with pytest.raises(impinge.InputError, match="larger max_bytes") as caught:
+            load(path, max_bytes=size - 1)
+        assert caught.value.kind == "too-many"
+        with pytest.raises(impinge.InputError, match="larger max_triangles") as caught:
+            load(path, max_triangles=triangles - 1)
+        assert (caught.value.kind, caught.value.what) == ("too-many", str(path))
+        with pytest.raises(impinge.InputError, match="max_triangles"):
+            load(path, max_triangles=-1)
+        with pytest.raises(impinge.InputError, match="max_bytes"):
+            load(path, max_bytes=1.5)
+    baked = tmp_path / "cube.impinge"
+    impinge.load(path).bake(baked)
+    with pytest.raises(impinge.InputError, match="larger max_triangles"):
+        impinge.load(baked, max_triangles=triangles - 1)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs named pipes")
+def test_pipes_and_devices_are_refused_before_they_are_opened(tmp_path):
+    pipe = tmp_path / "pipe.obj"
+    os.mkfifo(pipe)
+    for path in (pipe, "/dev/zero"):
+        with pytest.raises(OSError, match="not a regular file"):
+            impinge.load(path)
+    with pytest.raises(IsADirectoryError):
+        impinge.load(tmp_path)
 
 
 def test_skipped_content_gives_a_warning(tmp_path):

@@ -1,13 +1,12 @@
 //! A mesh from a file, with its provenance: format, unit, polygons and parts.
 
-use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use impinge::hierarchy::Builder;
 use impinge::{Mesh, Positions};
-use impinge_files::{Baked, Format, LoadErrorKind, Model, Provenance, Unit, Warning};
+use impinge_files::{Baked, Format, Limits, LoadErrorKind, Model, Provenance, Unit, Warning};
 
 use crate::failure::Failure;
 use crate::{console, repair};
@@ -39,13 +38,14 @@ impl Reading {
         if !is_standard_input && self.format.is_none() {
             return Ok(impinge_files::load(path)?);
         }
-        let mut bytes = Vec::new();
-        let read = if is_standard_input {
-            io::stdin().read_to_end(&mut bytes).map(drop)
+        let bytes = if is_standard_input {
+            let mut bytes = Vec::new();
+            let read = io::stdin().read_to_end(&mut bytes);
+            read.map_err(|error| Failure::from_io(&error, "cannot be read").in_file(path))?;
+            bytes
         } else {
-            fs::read(path).map(|content| bytes = content)
+            impinge_files::read_regular_file(path, &Limits::default())?
         };
-        read.map_err(|error| Failure::from_io(&error, "cannot be read").in_file(path))?;
         let parsed = match self.format {
             Some(format) => impinge_files::parse(&bytes, format),
             None => impinge_files::parse_by_content(&bytes),

@@ -11,13 +11,17 @@
 //! Saved files also contain the numbers of the fitted volumes. [`load_character`] uses these
 //! numbers, and [`load_plan`] ignores them.
 
-use std::path::Path;
+use std::{collections::HashMap, path::Path};
 
 use impinge::character::{Character, HitHull, HitPart, HitVolume, PartPlan, Plan, Rig, VolumeKind};
 use impinge::volume::{BoundingSphere, Capsule, Lozenge, Obb};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{LoadError, Place};
+use crate::{
+    error::{LoadError, Place},
+    limits::Limits,
+    regular_file::read_regular_file,
+};
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -53,9 +57,10 @@ enum BoneName {
 /// the last bit.
 #[must_use]
 pub fn character_text(rig: &Rig, character: &Character) -> String {
+    let by_name = BonesByName::new(rig);
     let name = |bone: u32| {
         let name = &rig.skeleton().bones()[bone as usize].name;
-        match find(rig, name) {
+        match by_name.find(name) {
             Some(found) if found == bone => BoneName::Name(name.clone()),
             _ => BoneName::Number(bone),
         }
@@ -87,22 +92,38 @@ pub fn character_text(rig: &Rig, character: &Character) -> String {
     toml::to_string(&file).unwrap_or_default()
 }
 
-/// Returns the only bone of a name among the joints, or else among all bones. Returns `None` if
-/// there is none or more than one. Joints come first, because nodes of meshes often have the names
-/// of joints.
-fn find(rig: &Rig, name: &str) -> Option<u32> {
-    let bones = rig.skeleton().bones();
-    let named = |bone: &u32| bones[*bone as usize].name == name && !name.is_empty();
-    let only = |mut found: Vec<u32>| {
-        found.sort_unstable();
-        found.dedup();
-        match found[..] {
-            [one] => Some(one),
-            _ => None,
+/// The bones of a rig by their names.
+struct BonesByName<'a> {
+    /// The bones of joints. They come first, because nodes of meshes often have their names.
+    joints: HashMap<&'a str, Option<u32>>,
+    all: HashMap<&'a str, Option<u32>>,
+}
+
+impl<'a> BonesByName<'a> {
+    fn new(rig: &'a Rig) -> Self {
+        let joints = rig.skin().joints().iter().map(|joint| joint.bone);
+        Self { joints: by_name(rig, joints), all: by_name(rig, 0..rig.skeleton().bones().len() as u32) }
+    }
+
+    /// Returns the only bone of a name among the joints, or else among all bones. Returns `None` if
+    /// there is none or more than one.
+    fn find(&self, name: &str) -> Option<u32> {
+        [&self.joints, &self.all].into_iter().find_map(|bones| bones.get(name).copied().flatten())
+    }
+}
+
+/// Returns the bone of each name; `None` for a name that several bones have. Bones without a name
+/// are left out.
+fn by_name(rig: &Rig, bones: impl Iterator<Item = u32>) -> HashMap<&str, Option<u32>> {
+    let mut found = HashMap::new();
+    for bone in bones {
+        let name = rig.skeleton().bones()[bone as usize].name.as_str();
+        if !name.is_empty() {
+            let known = found.entry(name).or_insert(Some(bone));
+            *known = known.filter(|&known| known == bone);
         }
-    };
-    let joints = rig.skin().joints().iter().map(|joint| joint.bone).filter(named).collect();
-    only(joints).or_else(|| only((0..bones.len() as u32).filter(named).collect()))
+    }
+    found
 }
 
 /// Loads a plan: the bones of each part of a rig, and optionally its name, its kind of volume, and
@@ -113,7 +134,7 @@ fn find(rig: &Rig, name: &str) -> Option<u32> {
 /// a kind of volume that does not exist.
 pub fn load_plan(path: impl AsRef<Path>, rig: &Rig) -> Result<Plan, LoadError> {
     let path = path.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|e| LoadError::io(&e).in_file(path))?;
+    let text = read_text(path)?;
     parse_plan(&text, rig).map_err(|e| e.in_file(path))
 }
 
@@ -123,7 +144,8 @@ pub fn load_plan(path: impl AsRef<Path>, rig: &Rig) -> Result<Plan, LoadError> {
 /// Returns an error as [`load_plan`] does; the path of the error is empty.
 pub fn parse_plan(text: &str, rig: &Rig) -> Result<Plan, LoadError> {
     let parts = read(text)?;
-    let of_part = |(at, part): (usize, &Part)| plan(rig, part, at);
+    let by_name = BonesByName::new(rig);
+    let of_part = |(at, part): (usize, &Part)| plan(rig, &by_name, part, at);
     Ok(Plan { parts: parts.iter().enumerate().map(of_part).collect::<Result<_, _>>()? })
 }
 
@@ -134,7 +156,7 @@ pub fn parse_plan(text: &str, rig: &Rig) -> Result<Plan, LoadError> {
 /// are invalid.
 pub fn load_character(path: impl AsRef<Path>, rig: &Rig) -> Result<Character, LoadError> {
     let path = path.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|e| LoadError::io(&e).in_file(path))?;
+    let text = read_text(path)?;
     parse_character(&text, rig).map_err(|e| e.in_file(path))
 }
 
@@ -143,14 +165,20 @@ pub fn load_character(path: impl AsRef<Path>, rig: &Rig) -> Result<Character, Lo
 /// # Errors
 /// Returns an error as [`load_character`] does; the path of the error is empty.
 pub fn parse_character(text: &str, rig: &Rig) -> Result<Character, LoadError> {
+    let by_name = BonesByName::new(rig);
     let mut parts = Vec::new();
     for (at, part) in read(text)?.iter().enumerate() {
-        let PartPlan { name, bones, anchor, kind } = plan(rig, part, at)?;
+        let PartPlan { name, bones, anchor, kind } = plan(rig, &by_name, part, at)?;
         let volume = kind.and_then(|kind| volume(part, kind));
         let volume = volume.ok_or_else(|| in_part(LoadError::syntax("valid numbers of a volume", b""), at))?;
         parts.push(HitPart::new(name, bones, anchor, volume, part.looseness.unwrap_or(1.0)));
     }
     Character::of_parts(rig, parts).map_err(|e| LoadError::syntax("parts of this rig", e.to_string().as_bytes()))
+}
+
+fn read_text(path: &Path) -> Result<String, LoadError> {
+    let bytes = read_regular_file(path, &Limits::default())?;
+    String::from_utf8(bytes).map_err(|e| LoadError::syntax("UTF-8 text", e.to_string().as_bytes()).in_file(path))
 }
 
 fn read(text: &str) -> Result<Vec<Part>, LoadError> {
@@ -168,10 +196,10 @@ fn in_part(error: LoadError, part: usize) -> LoadError {
     error.at(Place::Entry(format!("part {part}")))
 }
 
-fn plan(rig: &Rig, part: &Part, at: usize) -> Result<PartPlan, LoadError> {
+fn plan(rig: &Rig, by_name: &BonesByName<'_>, part: &Part, at: usize) -> Result<PartPlan, LoadError> {
     let bone = |name: &BoneName| {
         let (found, text) = match name {
-            BoneName::Name(name) => (find(rig, name), name.clone()),
+            BoneName::Name(name) => (by_name.find(name), name.clone()),
             BoneName::Number(number) => {
                 (Some(*number).filter(|&n| (n as usize) < rig.skeleton().bones().len()), number.to_string())
             }

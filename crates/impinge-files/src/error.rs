@@ -36,6 +36,11 @@ pub enum LoadErrorKind {
         /// Message of the operating system.
         message: String,
     },
+    /// The path is not that of a regular file.
+    NotAFile {
+        /// Description of the path: `"a pipe"`, `"a device"` or `"a socket"`.
+        found: &'static str,
+    },
     /// The extension is not that of a supported format.
     UnsupportedFormat {
         /// The extension, without the dot; empty if there is none.
@@ -86,7 +91,8 @@ pub enum LoadErrorKind {
         /// Number of vertices.
         len: u64,
     },
-    /// A count exceeds the limit for a mesh, or for a file of this size.
+    /// A count exceeds the limit for a mesh, for a file of this size, or of
+    /// [`Limits`](crate::Limits).
     TooMany {
         /// Items that are counted.
         what: &'static str,
@@ -195,13 +201,14 @@ impl LoadError {
 }
 
 impl LoadErrorKind {
-    /// Returns a short stable name: `io`, `unsupported-format`, `unsupported-feature`, `empty`,
-    /// `wrong-content`, `truncated`, `syntax`, `non-finite`, `index-out-of-bounds`, `too-many`,
-    /// `corrupt`, `broken-rig` or `outside-folder`.
+    /// Returns a short stable name: `io`, `not-a-file`, `unsupported-format`, `unsupported-feature`,
+    /// `empty`, `wrong-content`, `truncated`, `syntax`, `non-finite`, `index-out-of-bounds`,
+    /// `too-many`, `corrupt`, `broken-rig` or `outside-folder`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
             Self::Io { .. } => "io",
+            Self::NotAFile { .. } => "not-a-file",
             Self::UnsupportedFormat { .. } => "unsupported-format",
             Self::UnsupportedFeature { .. } => "unsupported-feature",
             Self::Empty => "empty",
@@ -224,6 +231,7 @@ impl fmt::Display for LoadErrorKind {
         let f = &mut Plain(f);
         match self {
             Self::Io { message, .. } => f.write_str(message),
+            Self::NotAFile { found } => write!(f, "not a regular file, but {found}"),
             Self::UnsupportedFormat { extension } => {
                 match extension.as_str() {
                     "" => write!(f, "unknown format, because there is no file extension")?,

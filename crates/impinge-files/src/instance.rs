@@ -1,6 +1,4 @@
-//! Affine maps in f64, and limits for files that instantiate the same mesh many times.
-
-use crate::error::{LoadError, LoadErrorKind};
+//! Affine maps in f64, which place the instances of a mesh.
 
 /// An affine map. `rows[i]` holds the linear part of coordinate i and, last, its translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,43 +29,6 @@ impl Affine {
     pub(crate) fn mirrors(&self) -> bool {
         let [[a, b, c, _], [d, e, f, _], [g, h, i, _]] = self.rows;
         a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) < 0.0
-    }
-}
-
-/// Maximum number of items that the instances of a file may add up to. For vertices and triangles
-/// it is 2^24, or four per byte of the file if that is more. Without a limit, a file of a few
-/// hundred bytes could take any amount of memory. Real assemblies stay far below.
-#[derive(Clone, Copy)]
-pub(crate) struct Budget(u64);
-
-impl Budget {
-    /// Returns the budget for vertices, triangles and similar items: 2^24, or 4 per byte of the
-    /// file if that is more.
-    pub(crate) fn for_bytes(bytes: u64) -> Self {
-        Self(bytes.saturating_mul(4).clamp(1 << 24, u64::from(u32::MAX)))
-    }
-
-    /// Returns the budget for the bytes of all part names: 2^24, or 32 per byte of the file if that
-    /// is more. A name has at most [`MAX_NAME`](crate::text::MAX_NAME) bytes, and a node that is
-    /// used once takes at least 10 bytes.
-    pub(crate) fn for_names(bytes: u64) -> Self {
-        Self(bytes.saturating_mul(32).clamp(1 << 24, u64::from(u32::MAX)))
-    }
-
-    /// Returns the budget for visited nodes, counted once for each path that reaches them: 2^20, or
-    /// one per byte of the file if that is more. A node that is reached once takes more than one
-    /// byte.
-    pub(crate) fn for_nodes(bytes: u64) -> Self {
-        Self(bytes.clamp(1 << 20, u64::from(u32::MAX)))
-    }
-
-    /// Returns an error if `count` exceeds the budget; `what` names the items.
-    pub(crate) fn check(self, what: &'static str, count: u64) -> Result<(), LoadError> {
-        if count <= self.0 {
-            return Ok(());
-        }
-        let error = LoadError::new(LoadErrorKind::TooMany { what, count, limit: self.0 });
-        Err(error.with_hint("counted over all instances; load a file with fewer instances"))
     }
 }
 

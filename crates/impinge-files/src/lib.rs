@@ -32,7 +32,7 @@
 //!   rotated so that Z points up.
 //! - **Content before extension.** The extension must be a known one; its case does not matter. If
 //!   the bytes prove another format, the file is read in that format, with a warning. A name
-//!   without an extension, such as the name of a pipe, is accepted if the bytes prove their format.
+//!   without an extension is accepted if the bytes prove their format.
 //! - **Gzip.** A name may end in `.gz` after the extension, as in `part.stl.gz`. It may end in
 //!   `.gz` alone if the content proves its format.
 //!
@@ -40,8 +40,9 @@
 //! An invalid file gives a [`LoadError`] that names the place, never a panic. Memory and time stay
 //! within a multiple of the file's size, even if its counts are wrong. Instances of glTF, 3MF and
 //! COLLADA, and the unpacked content of a 3MF or gzip file, may be larger than the file, but are
-//! limited. A file without triangles is valid and gives an empty model, unless it has no bytes at
-//! all.
+//! limited. [`Limits`] has the defaults, and [`load_with`] takes others. Only regular files are
+//! opened: a pipe or a device may never end. A file without triangles is valid and gives an empty
+//! model, unless it has no bytes at all.
 //!
 //! # Features
 //! - `mmap` (default) opens baked files as memory maps. Without it they are read into memory.
@@ -56,6 +57,7 @@ mod error;
 mod format;
 mod gltf;
 mod instance;
+mod limits;
 #[cfg(not(feature = "mmap"))]
 mod memory_copy;
 #[cfg(feature = "mmap")]
@@ -68,6 +70,7 @@ mod packed;
 mod plain;
 mod ply;
 mod polygon;
+mod regular_file;
 mod replace;
 mod stl;
 mod text;
@@ -76,36 +79,54 @@ mod unit;
 mod weld;
 mod xml;
 
-use std::{fs::File, io::Read, path::Path};
+use std::path::Path;
 
 pub use baked::{Baked, Provenance, write_baked};
 pub use character_file::{character_text, load_character, load_plan, parse_character, parse_plan};
 pub use error::{LoadError, LoadErrorKind, Place};
 pub use format::Format;
+pub use limits::Limits;
 pub use model::{Model, Warning, WarningKind};
 pub use ply::write_ply;
+pub use regular_file::read_regular_file;
 pub use replace::replace_file;
 pub use unit::{Unit, UnknownUnit};
 
 use impinge::character::Rig;
+use limits::OF_FILE;
 use model::Warnings;
 
 /// Loads the triangles of a file. Detects the format by content, then by extension.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read, its extension is not known, or its content is
-/// invalid. The error names the file, the place in it and the problem.
+/// Returns an error if the file cannot be read or is not a regular file, its extension is not
+/// known, its content is invalid, or a count exceeds the default [`Limits`]
+/// ([`TooMany`](LoadErrorKind::TooMany)). The error names the file, the place in it and the problem.
 pub fn load(path: impl AsRef<Path>) -> Result<Model, LoadError> {
-    let path = path.as_ref();
-    load_file(path).map_err(|e| e.in_file(path))
+    load_with(path, &Limits::default())
 }
 
-fn load_file(path: &Path) -> Result<Model, LoadError> {
-    let mut file = File::open(path).map_err(|e| LoadError::io(&e))?;
-    let named = Named::of(path)?;
-    let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes).map_err(|e| LoadError::io(&e))?;
-    read(&bytes, &named, path.parent())
+/// Loads the triangles of a file, as [`load`] does, within other limits.
+///
+/// ```no_run
+/// use impinge_files::{Limits, load_with};
+///
+/// // A file that a stranger sent: no more than 10 million triangles and 1 GB.
+/// let model = load_with("part.3mf", &Limits::default().with_max_triangles(10_000_000).with_max_bytes(1 << 30))?;
+/// # Ok::<(), impinge_files::LoadError>(())
+/// ```
+///
+/// # Errors
+/// Returns an error as [`load`] does, with these limits.
+pub fn load_with(path: impl AsRef<Path>, limits: &Limits) -> Result<Model, LoadError> {
+    let path = path.as_ref();
+    let load = || {
+        // A missing file is reported before an unknown extension.
+        regular_file::open(path)?;
+        let named = Named::of(path)?;
+        read(&read_regular_file(path, limits)?, &named, path.parent(), limits)
+    };
+    load().map_err(|e| e.in_file(path))
 }
 
 /// Expectations about the content of a file, from its name.
@@ -148,7 +169,7 @@ impl Named {
 pub fn load_rig(path: impl AsRef<Path>) -> Result<Rig, LoadError> {
     let path = path.as_ref();
     let read = || {
-        let bytes = std::fs::read(path).map_err(|e| LoadError::io(&e))?;
+        let bytes = read_regular_file(path, &Limits::default())?;
         read_rig(&bytes, path.parent())
     };
     read().map_err(|e| e.in_file(path))
@@ -164,7 +185,7 @@ pub fn parse_rig(bytes: &[u8]) -> Result<Rig, LoadError> {
 }
 
 fn read_rig(bytes: &[u8], folder: Option<&Path>) -> Result<Rig, LoadError> {
-    let unpacked = unpack(bytes, &mut Warnings::default())?;
+    let unpacked = unpack(bytes, &Limits::default(), &mut Warnings::default())?;
     let bytes = unpacked.as_deref().unwrap_or(bytes);
     match Format::of_content(bytes).unwrap_or(Format::Gltf) {
         format @ (Format::Gltf | Format::Glb) => gltf::rig::read(bytes, format, folder),
@@ -178,7 +199,15 @@ fn read_rig(bytes: &[u8], folder: Option<&Path>) -> Result<Rig, LoadError> {
 /// # Errors
 /// Returns an error as [`load`] does; the path of the error is empty.
 pub fn parse(bytes: &[u8], format: Format) -> Result<Model, LoadError> {
-    read(bytes, &Named { format: Some(format), packed: None, extension: String::new() }, None)
+    parse_with(bytes, format, &Limits::default())
+}
+
+/// Reads the triangles from the bytes of a file, as [`parse`] does, within other limits.
+///
+/// # Errors
+/// Returns an error as [`load_with`] does; the path of the error is empty.
+pub fn parse_with(bytes: &[u8], format: Format, limits: &Limits) -> Result<Model, LoadError> {
+    read(bytes, &Named { format: Some(format), packed: None, extension: String::new() }, None, limits)
 }
 
 /// Reads the triangles from the bytes of a file, whose format must be evident from the bytes. Other
@@ -187,29 +216,30 @@ pub fn parse(bytes: &[u8], format: Format) -> Result<Model, LoadError> {
 /// # Errors
 /// Returns an error as [`load`] does; the path of the error is empty.
 pub fn parse_by_content(bytes: &[u8]) -> Result<Model, LoadError> {
-    read(bytes, &Named { format: None, packed: None, extension: String::new() }, None)
+    read(bytes, &Named { format: None, packed: None, extension: String::new() }, None, &Limits::default())
 }
 
 /// Reads the triangles from bytes. Other files that the bytes refer to are read from `folder`, or
 /// not at all if it is `None`.
-fn read(bytes: &[u8], named: &Named, folder: Option<&Path>) -> Result<Model, LoadError> {
+fn read(bytes: &[u8], named: &Named, folder: Option<&Path>, limits: &Limits) -> Result<Model, LoadError> {
     let mut warnings = Warnings::default();
     let file_size = bytes.len() as u64;
-    let unpacked = unpack(bytes, &mut warnings)?;
+    limits.check_bytes(OF_FILE, file_size)?;
+    let unpacked = unpack(bytes, limits, &mut warnings)?;
     let bytes = unpacked.as_deref().unwrap_or(bytes);
     let Some(actual) = Format::of_content(bytes).or(named.format) else {
         let extension = named.extension.clone();
         return Err(LoadError::new(LoadErrorKind::UnsupportedFormat { extension }));
     };
     let mut model = match actual {
-        Format::Obj => obj::read(bytes),
-        Format::Stl => stl::read(bytes),
-        Format::Ply => ply::read(bytes),
-        Format::Off => off::read(bytes),
-        Format::Gltf | Format::Glb => gltf::read(bytes, actual, folder),
-        Format::ThreeMf => three_mf::read(bytes, file_size),
-        Format::Collada => collada::read(bytes),
-        Format::Baked => baked::read(bytes),
+        Format::Obj => obj::read(bytes, limits),
+        Format::Stl => stl::read(bytes, limits),
+        Format::Ply => ply::read(bytes, limits),
+        Format::Off => off::read(bytes, limits),
+        Format::Gltf | Format::Glb => gltf::read(bytes, actual, folder, limits),
+        Format::ThreeMf => three_mf::read(bytes, file_size, limits),
+        Format::Collada => collada::read(bytes, limits),
+        Format::Baked => baked::read(bytes, limits),
     }?;
     let is_other = named.format.is_some_and(|format| format != actual)
         || named.packed.is_some_and(|packed| packed != unpacked.is_some());
@@ -223,10 +253,10 @@ fn read(bytes: &[u8], named: &Named, folder: Option<&Path>) -> Result<Model, Loa
 
 /// Returns the content of a gzip file, or `None` for another file. Returns an error if there are no
 /// bytes.
-fn unpack(bytes: &[u8], warnings: &mut Warnings) -> Result<Option<Vec<u8>>, LoadError> {
+fn unpack(bytes: &[u8], limits: &Limits, warnings: &mut Warnings) -> Result<Option<Vec<u8>>, LoadError> {
     // The header of a binary STL file may begin with any bytes.
     let packed = packed::is_gzip(bytes) && Format::of_content(bytes).is_none();
-    let unpacked = if packed { Some(packed::gunzip(bytes, warnings)?) } else { None };
+    let unpacked = if packed { Some(packed::gunzip(bytes, limits, warnings)?) } else { None };
     if unpacked.as_deref().unwrap_or(bytes).is_empty() {
         return Err(LoadError::new(LoadErrorKind::Empty));
     }

@@ -7,6 +7,7 @@ use impinge::Positions;
 use crate::{
     error::{LoadError, LoadErrorKind, Place},
     format::Format,
+    limits::{Limits, too_many_triangles},
     polygon::{Outcome, Triangulator},
     unit::Unit,
 };
@@ -172,8 +173,7 @@ impl Warnings {
     }
 }
 
-/// Collects the triangles of a file.
-#[derive(Default)]
+/// Collects the triangles of a file, up to a limit.
 pub(crate) struct Faces {
     pub(crate) faces: Vec<[u32; 3]>,
     pub(crate) sources: Vec<u32>,
@@ -181,9 +181,36 @@ pub(crate) struct Faces {
     pub(crate) warnings: Warnings,
     polygons: u32,
     triangulator: Triangulator,
+    max_triangles: u64,
+}
+
+impl Default for Faces {
+    fn default() -> Self {
+        Self::new(&Limits::default())
+    }
 }
 
 impl Faces {
+    /// Returns an empty list for at most the number of triangles that `limits` allow.
+    pub(crate) fn new(limits: &Limits) -> Self {
+        Self {
+            faces: Vec::new(),
+            sources: Vec::new(),
+            part_of: Vec::new(),
+            warnings: Warnings::default(),
+            polygons: 0,
+            triangulator: Triangulator::default(),
+            max_triangles: limits.triangles(),
+        }
+    }
+
+    /// Returns an error if `more` triangles would exceed the limit.
+    #[inline]
+    pub(crate) fn check_room(&self, more: u64) -> Result<(), LoadError> {
+        let count = self.faces.len() as u64 + more;
+        if count <= self.max_triangles { Ok(()) } else { Err(too_many_triangles(count, self.max_triangles)) }
+    }
+
     /// Reserves memory for `triangles` more triangles.
     pub(crate) fn reserve(&mut self, triangles: usize) {
         self.faces.reserve(triangles);
@@ -198,6 +225,7 @@ impl Faces {
 
     /// Adds a polygon with three corners.
     pub(crate) fn triangle(&mut self, face: [u32; 3], part: u32) -> Result<(), LoadError> {
+        self.check_room(1)?;
         let source = self.polygons;
         self.polygons = source.checked_add(1).ok_or_else(|| too_many("faces", u64::from(source) + 1))?;
         self.faces.push(face);
@@ -215,7 +243,7 @@ impl Faces {
         place: impl FnOnce() -> Place,
     ) -> Result<(), LoadError> {
         if let &[a, b, c] = corners {
-            return self.triangle([a, b, c], part);
+            return self.triangle([a, b, c], part).map_err(|e| e.at(place()));
         }
         let source = self.polygons;
         self.polygons = source.checked_add(1).ok_or_else(|| too_many("faces", u64::from(source) + 1))?;
@@ -224,6 +252,9 @@ impl Faces {
             return Ok(());
         }
         let n = u32::try_from(corners.len()).map_err(|_| too_many("corners", corners.len() as u64))?;
+        if let Err(error) = self.check_room(u64::from(n) - 2) {
+            return Err(error.at(place()));
+        }
         let (faces, sources, part_of) = (&mut self.faces, &mut self.sources, &mut self.part_of);
         let outcome = self.triangulator.triangulate(
             n,
@@ -243,6 +274,7 @@ impl Faces {
     /// Adds the triangles of another list to a part. Their vertex indices are increased by `first`.
     /// If `mirrored` is true, the winding of the triangles is reversed.
     pub(crate) fn append(&mut self, other: &Self, first: u32, part: u32, mirrored: bool) -> Result<(), LoadError> {
+        self.check_room(other.faces.len() as u64)?;
         let before = self.polygons;
         let after = u64::from(before) + u64::from(other.polygons);
         self.polygons = u32::try_from(after).map_err(|_| too_many("faces", after))?;

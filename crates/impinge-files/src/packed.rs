@@ -5,21 +5,22 @@ use std::io::Read;
 use flate2::bufread::GzDecoder;
 
 use crate::{
-    error::{LoadError, LoadErrorKind, Place},
+    error::{LoadError, Place},
+    limits::{Limits, too_many_bytes},
     model::{WarningKind, Warnings},
 };
 
 /// Maximum number of bytes that may still be unpacked.
-///
-/// Deflate compresses up to 1,000 to 1, but meshes at most about 30 to 1. A file may unpack to 64
-/// MiB plus 64 times its size. A larger limit lets small hostile files take more memory; a smaller
-/// one rejects files that only repeat themselves.
-pub(crate) struct Allowance(u64);
+pub(crate) struct Allowance {
+    left: u64,
+    limit: u64,
+}
 
 impl Allowance {
     /// Returns the allowance of a compressed file of this many bytes.
-    pub(crate) fn for_packed(bytes: u64) -> Self {
-        Self((64 << 20) + bytes.saturating_mul(64))
+    pub(crate) fn for_packed(bytes: u64, limits: &Limits) -> Self {
+        let limit = limits.unpacked_bytes(bytes);
+        Self { left: limit, limit }
     }
 
     /// Reads to the end and appends to `unpacked`. If reading fails, the error says that `expected`
@@ -31,15 +32,13 @@ impl Allowance {
         expected: &'static str,
     ) -> Result<(), LoadError> {
         let count = reader
-            .take(self.0 + 1)
+            .take(self.left.saturating_add(1))
             .read_to_end(unpacked)
             .map_err(|e| LoadError::syntax(expected, e.to_string().as_bytes()))? as u64;
-        if count > self.0 {
-            let error = LoadError::new(LoadErrorKind::TooMany { what: "unpacked bytes", count, limit: self.0 });
-            return Err(error
-                .with_hint("real models do not compress so well; if this one does, unpack it with another program"));
+        if count > self.left {
+            return Err(too_many_bytes("unpacked bytes", self.limit - self.left + count, self.limit));
         }
-        self.0 -= count;
+        self.left -= count;
         Ok(())
     }
 }
@@ -51,8 +50,8 @@ pub(crate) fn is_gzip(bytes: &[u8]) -> bool {
 }
 
 /// Unpacks all members of a gzip file. Bytes after the last member are ignored with a warning.
-pub(crate) fn gunzip(bytes: &[u8], warnings: &mut Warnings) -> Result<Vec<u8>, LoadError> {
-    let mut allowance = Allowance::for_packed(bytes.len() as u64);
+pub(crate) fn gunzip(bytes: &[u8], limits: &Limits, warnings: &mut Warnings) -> Result<Vec<u8>, LoadError> {
+    let mut allowance = Allowance::for_packed(bytes.len() as u64, limits);
     let mut unpacked = Vec::new();
     let mut rest = bytes;
     while is_gzip(rest) {
@@ -87,7 +86,7 @@ mod tests {
     fn members_are_joined_and_trailing_bytes_are_a_warning() {
         let file = [gzip(b"v 0 0"), gzip(b" 0\n"), b"\0\0\0".to_vec()].concat();
         let mut warnings = Warnings::default();
-        assert_eq!(gunzip(&file, &mut warnings).unwrap(), b"v 0 0 0\n");
+        assert_eq!(gunzip(&file, &Limits::default(), &mut warnings).unwrap(), b"v 0 0 0\n");
         let warnings = warnings.into_vec();
         assert_eq!((warnings.len(), warnings[0].count), (1, 3));
         assert_eq!(warnings[0].first, Some(Place::Byte(file.len() as u64 - 3)));
@@ -95,7 +94,7 @@ mod tests {
 
     #[test]
     fn truncated_corrupt_nested_and_huge_files_are_errors() {
-        let error = |bytes: &[u8]| gunzip(bytes, &mut Warnings::default()).unwrap_err().to_string();
+        let error = |bytes: &[u8]| gunzip(bytes, &Limits::default(), &mut Warnings::default()).unwrap_err().to_string();
         let whole = gzip(b"v 0 0 0\n");
         assert!(error(&whole[..whole.len() - 1]).starts_with("byte 0: expected a complete gzip file"));
         let mut wrong_sum = whole.clone();

@@ -3,6 +3,7 @@
 
 use impinge::{InputError, InputErrorKind};
 use impinge_files::{LoadError, LoadErrorKind};
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple};
@@ -104,6 +105,9 @@ pub(crate) fn message(error: &InputError) -> String {
 pub(crate) fn load_error(py: Python<'_>, error: &LoadError) -> PyErr {
     if let LoadErrorKind::Io { kind, message } = error.kind() {
         return std::io::Error::new(*kind, format!("{}: {message}", error.path().display())).into();
+    }
+    if let LoadErrorKind::NotAFile { .. } = error.kind() {
+        return PyOSError::new_err(error.to_string());
     }
     let place = match error.place().map(ToString::to_string).into_pyobject(py) {
         Ok(place) => place,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use impinge::storage::AlignedBytes;
 use impinge::{Mesh, Positions};
-use impinge_files::{Baked, Format, LoadError, Provenance, Unit, Warning, replace_file, write_baked};
+use impinge_files::{Baked, Format, Limits, LoadError, Provenance, Unit, Warning, replace_file, write_baked};
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -37,14 +37,25 @@ pub(crate) enum Content {
 
 #[pymethods]
 impl Model {
-    /// Reads a file and converts the vertices to `unit`, if it is given.
+    /// Reads a file and converts the vertices to `unit`, if it is given. `max_bytes` and
+    /// `max_triangles` replace the default limits.
     #[new]
-    fn new(py: Python<'_>, path: PathBuf, unit: Option<&str>) -> PyResult<Self> {
+    #[pyo3(signature = (path, unit, max_bytes=None, max_triangles=None))]
+    fn new(
+        py: Python<'_>,
+        path: PathBuf,
+        unit: Option<&str>,
+        max_bytes: Option<u64>,
+        max_triangles: Option<u64>,
+    ) -> PyResult<Self> {
+        let mut limits = Limits::default();
+        (limits.max_bytes, limits.max_triangles) = (max_bytes, max_triangles);
         let wanted = unit
             .map(|text| text.parse::<Unit>().map_err(|error| Fault::new("unit", "unit", error.to_string()).raised(py)))
             .transpose()?;
         let shown = path.display().to_string();
-        let model = workers::run(py, move |_| Self::read(&path, wanted))?.map_err(|error| load_error(py, &error))?;
+        let model =
+            workers::run(py, move |_| Self::read(&path, wanted, &limits))?.map_err(|error| load_error(py, &error))?;
         match model.first_out_of_range() {
             None => Ok(model),
             Some(vertex) => {
@@ -124,13 +135,13 @@ impl Model {
 
 impl Model {
     /// Reads a file. A baked file is mapped in place, unless its unit must be converted.
-    fn read(path: &Path, wanted: Option<Unit>) -> Result<Self, LoadError> {
+    fn read(path: &Path, wanted: Option<Unit>, limits: &Limits) -> Result<Self, LoadError> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         // Only files with the extension of baked files, or without a known extension, are tried
         // here. If such a file is not baked, the reader of all formats reports it. A name without
         // an extension may be that of shared memory.
         if Format::from_extension(&extension).is_none_or(|format| format == Format::Baked)
-            && let Ok(baked) = Baked::open(path)
+            && let Ok(baked) = Baked::open_with(path, limits)
         {
             let about = baked.provenance()?;
             if about.unit.is_none() || wanted.is_none_or(|wanted| about.unit == Some(wanted)) {
@@ -140,7 +151,7 @@ impl Model {
             }
         }
         let impinge_files::Model { mut positions, faces, sources, part_of, parts, unit, warnings, format } =
-            impinge_files::load(path)?;
+            impinge_files::load_with(path, limits)?;
         if let (Some(stated), Some(wanted)) = (unit, wanted) {
             positions = converted(positions, stated, wanted);
         }

@@ -1,22 +1,23 @@
 //! Tests of runs that are interrupted before there is an answer.
 #![cfg(unix)]
 
-use std::fmt::Write;
-use std::fs::{self, File};
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
 use std::process::{Command, Stdio};
 
 use crate::{Folder, Run};
 
-/// Runs a check of a file that never ends, and interrupts it while it loads.
+/// Runs a check of a standard input that never ends, and interrupts it while it loads.
 fn interrupted(arguments: &[&str]) -> Run {
     let folder = Folder::new();
-    let endless = folder.path("endless.obj");
-    assert!(Command::new("mkfifo").arg(&endless).status().unwrap().success());
-    let mut command = folder.command(["check", "endless.obj", "cube.obj"].iter().chain(arguments));
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    // Opening the pipe for writing waits until the command opens it for reading. By then the
-    // interrupt handler is installed.
-    let held_open = File::options().write(true).open(&endless).unwrap();
+    let mut command = folder.command(["check", "-", "cube.obj", "--format", "obj"].iter().chain(arguments));
+    let streams = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = streams.spawn().unwrap();
+    // A pipe holds far less than this, so writing ends only after the command has read most of it.
+    // By then the interrupt handler is installed.
+    let mut held_open = child.stdin.take().unwrap();
+    held_open.write_all(&[b'\n'; 1 << 20]).unwrap();
     let kill = format!("kill -INT {}", child.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();

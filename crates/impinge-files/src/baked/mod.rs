@@ -19,7 +19,6 @@ mod header;
 mod names;
 
 use std::{
-    fs::File,
     io::{self, Write},
     ops::Range,
     path::{Path, PathBuf},
@@ -32,9 +31,11 @@ use crate::memory_copy::copy as bytes_of;
 #[cfg(feature = "mmap")]
 use crate::memory_map::map as bytes_of;
 use crate::{
-    error::{LoadError, LoadErrorKind},
+    error::{LoadError, LoadErrorKind, Place},
     format::Format,
+    limits::{Limits, OF_FILE, too_many_triangles},
     model::Model,
+    regular_file,
     unit::Unit,
 };
 pub(crate) use header::MAGIC;
@@ -81,15 +82,28 @@ impl Baked {
     /// # Complexity
     /// O(1); linear in the size of the file without the feature `mmap`.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, LoadError> {
+        Self::open_with(path, &Limits::default())
+    }
+
+    /// Maps a file, as [`open`](Self::open) does, within other limits.
+    ///
+    /// # Errors
+    /// Returns an error as [`open`](Self::open) does, and if the file has more bytes or triangles
+    /// than the limits allow.
+    ///
+    /// # Complexity
+    /// The same as [`open`](Self::open).
+    pub fn open_with(path: impl AsRef<Path>, limits: &Limits) -> Result<Self, LoadError> {
         let path = path.as_ref().to_owned();
         let opened = || {
-            let file = File::open(&path).map_err(|e| LoadError::io(&e))?;
-            let length = file.metadata().map_err(|e| LoadError::io(&e))?.len();
+            let (file, length) = regular_file::open(&path)?;
+            limits.check_bytes(OF_FILE, length)?;
             if length < HEADER as u64 {
                 return Err(LoadError::truncated("bytes of a header", HEADER as u64, length));
             }
             let bytes = bytes_of(&file).map_err(|e| LoadError::io(&e))?;
             let header = Header::read((*bytes).as_ref())?;
+            check_triangles(&header, limits)?;
             Ok((bytes, header))
         };
         let (bytes, header) = opened().map_err(|e: LoadError| e.in_file(&path))?;
@@ -284,8 +298,9 @@ pub fn write_baked(
 }
 
 /// Reads the triangles without the hierarchy.
-pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+pub(crate) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, LoadError> {
     let header = Header::read(bytes)?;
+    check_triangles(&header, limits)?;
     header.check(bytes, &[Section::Positions, Section::Faces, Section::Sources, Section::PartOf, Section::Parts])?;
     let content = |section| &bytes[header.range(section)];
     let positions = if header.is_single_precision {
@@ -307,6 +322,14 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
     }
     let Provenance { sources, part_of, parts, unit } = provenance(bytes, &header)?;
     Ok(Model { positions, faces, sources, part_of, parts, unit, warnings: Vec::new(), format: Format::Baked })
+}
+
+fn check_triangles(header: &Header, limits: &Limits) -> Result<(), LoadError> {
+    let triangles = header.range(Section::Faces).len() as u64 / 12;
+    if triangles <= limits.triangles() {
+        return Ok(());
+    }
+    Err(too_many_triangles(triangles, limits.triangles()).at(Place::Entry("the section of faces".into())))
 }
 
 /// Returns rows of three numbers of `N` bytes each.

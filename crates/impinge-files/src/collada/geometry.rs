@@ -5,15 +5,15 @@ use std::{collections::HashMap, rc::Rc};
 
 use crate::{
     error::{LoadError, LoadErrorKind},
-    instance::Budget,
+    limits::{Budget, Limits},
     model::{Faces, WarningKind},
 };
 
 use super::tree::{INTEGERS, Id, Tree};
 
 /// The vertices and triangles of a geometry in its own frame. All triangles belong to part 0.
-#[derive(Default)]
 pub(super) struct Geometry {
+    pub(super) title: String,
     pub(super) positions: Vec<[f64; 3]>,
     pub(super) faces: Faces,
     /// The range in `positions` of each source.
@@ -32,11 +32,12 @@ pub(super) struct Arrays {
     /// Total number of positions that were read from sources or copied to geometries.
     positions: u64,
     budget: Budget,
+    limits: Limits,
 }
 
 impl Arrays {
-    pub(super) fn new(budget: Budget) -> Self {
-        Self { values: HashMap::new(), sources: HashMap::new(), vertices: HashMap::new(), positions: 0, budget }
+    pub(super) fn new(budget: Budget, limits: Limits) -> Self {
+        Self { values: HashMap::new(), sources: HashMap::new(), vertices: HashMap::new(), positions: 0, budget, limits }
     }
 
     fn read(&mut self, tree: &Tree<'_>, array: Id) -> Result<Rc<Vec<f64>>, LoadError> {
@@ -96,7 +97,8 @@ struct Corners {
 
 impl Geometry {
     pub(super) fn read(tree: &Tree<'_>, id: Id, arrays: &mut Arrays) -> Result<Self, LoadError> {
-        let mut geometry = Self::default();
+        let (title, faces) = (tree.title(id), Faces::new(&arrays.limits));
+        let mut geometry = Self { title, positions: Vec::new(), faces, sources: HashMap::new() };
         for child in tree.children(id) {
             match tree.name(child) {
                 "convex_mesh" if tree.attribute(child, "convex_hull_of").is_some() => {

@@ -23,6 +23,7 @@ use crate::{
     error::{LoadError, LoadErrorKind},
     format::Format,
     instance::Affine,
+    limits::Limits,
     model::{Model, stored},
     text::{number, trim_start, without_bom},
     unit::Unit,
@@ -47,7 +48,7 @@ pub(crate) fn opens(bytes: &[u8]) -> bool {
     [&b"<COLLADA"[..], b":COLLADA"].iter().any(|name| memmem::find(&narrow, name).is_some())
 }
 
-pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+pub(crate) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, LoadError> {
     let text = xml::decode(bytes.to_vec(), Encoding::UnicodeOrLatin1)?;
     let tree = Tree::parse(&text)?;
     let root = tree.root().filter(|&root| tree.name(root) == "COLLADA").ok_or_else(|| {
@@ -61,7 +62,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
         return Err(error.with_hint("supported versions are 1.4 and 1.5"));
     }
     let (unit, frame) = frame(&tree, root)?;
-    let mut scene = Scene::new(&tree, bytes.len() as u64);
+    let mut scene = Scene::new(&tree, bytes.len() as u64, limits);
     scene.add_all(root, &frame)?;
     let Scene { positions, parts, faces, .. } = scene;
     faces.into_model(stored(positions), parts, Some(unit), Format::Collada)

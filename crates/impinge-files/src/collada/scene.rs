@@ -4,7 +4,8 @@ use std::{collections::HashMap, rc::Rc};
 
 use crate::{
     error::{LoadError, LoadErrorKind},
-    instance::{Affine, Budget},
+    instance::Affine,
+    limits::{Budget, Limits},
     model::{Faces, WarningKind},
 };
 
@@ -23,9 +24,10 @@ pub(super) struct Scene<'t, 'a> {
     geometries: HashMap<Id, Rc<Geometry>>,
     arrays: Arrays,
     nodes: HashMap<Id, Rc<Node>>,
-    /// For each controller that was read, its geometry and its bind shape matrix.
-    controlled: HashMap<Id, (Id, Affine)>,
-    limits: Limits,
+    /// For each controller that was read, the geometry or controller that it deforms, and its bind
+    /// shape matrix.
+    deformed: HashMap<Id, (Id, Affine)>,
+    budgets: Budgets,
     visited: u64,
     name_bytes: u64,
     pub(super) positions: Vec<[f64; 3]>,
@@ -33,7 +35,7 @@ pub(super) struct Scene<'t, 'a> {
     pub(super) faces: Faces,
 }
 
-struct Limits {
+struct Budgets {
     elements: Budget,
     nodes: Budget,
     names: Budget,
@@ -60,24 +62,24 @@ enum Content {
 }
 
 impl<'t, 'a> Scene<'t, 'a> {
-    pub(super) fn new(tree: &'t Tree<'a>, bytes: u64) -> Self {
-        let limits = Limits {
-            elements: Budget::for_bytes(bytes),
+    pub(super) fn new(tree: &'t Tree<'a>, bytes: u64, limits: &Limits) -> Self {
+        let budgets = Budgets {
+            elements: Budget::for_bytes(bytes, limits),
             nodes: Budget::for_nodes(bytes),
             names: Budget::for_names(bytes),
         };
         Self {
             tree,
             geometries: HashMap::new(),
-            arrays: Arrays::new(limits.elements),
+            arrays: Arrays::new(budgets.elements, *limits),
             nodes: HashMap::new(),
-            controlled: HashMap::new(),
-            limits,
+            deformed: HashMap::new(),
+            budgets,
             visited: 0,
             name_bytes: 0,
             positions: Vec::new(),
             parts: Vec::new(),
-            faces: Faces::default(),
+            faces: Faces::new(limits),
         }
     }
 
@@ -114,7 +116,7 @@ impl<'t, 'a> Scene<'t, 'a> {
             return Err(at(LoadError::syntax(expected, b"more, or a cycle")));
         }
         self.visited += 1;
-        self.limits.nodes.check("nodes", self.visited).map_err(at)?;
+        self.budgets.nodes.check("nodes", self.visited).map_err(at)?;
         let node = match self.nodes.get(&id) {
             Some(node) => Rc::clone(node),
             None => {
@@ -151,11 +153,7 @@ impl<'t, 'a> Scene<'t, 'a> {
                 }
                 "instance_controller" => {
                     let controller = self.target(child, "url", "controller")?;
-                    let (geometry, map) = match self.controlled.get(&controller) {
-                        Some(&known) => known,
-                        None => self.controlled(controller)?,
-                    };
-                    self.controlled.insert(controller, (geometry, map));
+                    let (geometry, map) = self.controlled(controller)?;
                     Content::Geometry { geometry, map, deformed: true, instance: child }
                 }
                 _ => continue,
@@ -166,27 +164,42 @@ impl<'t, 'a> Scene<'t, 'a> {
 
     /// Returns the geometry of a controller, and its bind shape matrix. A skin may deform a morphed
     /// geometry.
-    fn controlled(&self, controller: Id) -> Result<(Id, Affine), LoadError> {
-        let tree = self.tree;
+    fn controlled(&mut self, controller: Id) -> Result<(Id, Affine), LoadError> {
         let (mut id, mut map) = (controller, Affine::IDENTITY);
         for _ in 0..MAX_DEPTH {
-            let Some(deformer) = tree.child(id, "skin").or_else(|| tree.child(id, "morph")) else {
-                return Err(LoadError::syntax("a skin or morph of the controller", b"").at(tree.place(id)));
+            let (source, own) = match self.deformed.get(&id) {
+                Some(&known) => known,
+                None => self.read_deformer(id)?,
             };
-            if let Some(matrix) = tree.child(deformer, "bind_shape_matrix") {
-                map = map.after(&transform::matrix(tree, matrix)?);
-            }
-            id = tree.target(deformer, "source")?;
-            match tree.name(id) {
-                "geometry" => return Ok((id, map)),
-                "controller" => {}
-                other => {
-                    let error = LoadError::syntax("a geometry to deform", other.as_bytes());
-                    return Err(error.at(tree.place(deformer)));
-                }
+            self.deformed.insert(id, (source, own));
+            map = map.after(&own);
+            id = source;
+            if self.tree.name(id) == "geometry" {
+                return Ok((id, map));
             }
         }
-        Err(LoadError::syntax("a geometry to deform", b"a cycle of controllers").at(tree.place(controller)))
+        let error = LoadError::syntax("a geometry to deform", b"a cycle of controllers");
+        Err(error.at(self.tree.place(controller)))
+    }
+
+    /// Returns the geometry or controller that a controller deforms, and its bind shape matrix.
+    fn read_deformer(&self, controller: Id) -> Result<(Id, Affine), LoadError> {
+        let tree = self.tree;
+        let Some(deformer) = tree.child(controller, "skin").or_else(|| tree.child(controller, "morph")) else {
+            return Err(LoadError::syntax("a skin or morph of the controller", b"").at(tree.place(controller)));
+        };
+        let map = match tree.child(deformer, "bind_shape_matrix") {
+            Some(matrix) => transform::matrix(tree, matrix)?,
+            None => Affine::IDENTITY,
+        };
+        let source = tree.target(deformer, "source")?;
+        match tree.name(source) {
+            "geometry" | "controller" => Ok((source, map)),
+            other => {
+                let error = LoadError::syntax("a geometry to deform", other.as_bytes());
+                Err(error.at(tree.place(deformer)))
+            }
+        }
     }
 
     /// Returns the element that an attribute refers to. Returns an error if its name is not
@@ -207,7 +220,8 @@ impl<'t, 'a> Scene<'t, 'a> {
         let geometry = match self.geometries.get(&id) {
             Some(geometry) => Rc::clone(geometry),
             None => {
-                let mut geometry = Geometry::read(self.tree, id, &mut self.arrays)?;
+                let place = |e: LoadError| if e.place().is_none() { e.at(self.tree.place(id)) } else { e };
+                let mut geometry = Geometry::read(self.tree, id, &mut self.arrays).map_err(place)?;
                 self.faces.warnings.extend(std::mem::take(&mut geometry.faces.warnings).into_vec());
                 let geometry = Rc::new(geometry);
                 self.geometries.insert(id, Rc::clone(&geometry));
@@ -216,8 +230,8 @@ impl<'t, 'a> Scene<'t, 'a> {
         };
         let at = |e: LoadError| e.at(self.tree.place(instance));
         let (vertices, triangles) = (geometry.positions.len(), geometry.faces.faces.len());
-        self.limits.elements.check("vertices", (self.positions.len() + vertices) as u64).map_err(at)?;
-        self.limits.elements.check("triangles", (self.faces.faces.len() + triangles) as u64).map_err(at)?;
+        self.budgets.elements.check("vertices", (self.positions.len() + vertices) as u64).map_err(at)?;
+        self.budgets.elements.check("triangles", (self.faces.faces.len() + triangles) as u64).map_err(at)?;
 
         let (first, part) = (self.positions.len() as u32, self.parts.len() as u32);
         for (vertex, &position) in geometry.positions.iter().enumerate() {
@@ -229,10 +243,10 @@ impl<'t, 'a> Scene<'t, 'a> {
             self.positions.push(position);
         }
         if triangles > 0 {
-            self.faces.append(&geometry.faces, first, part, world.mirrors())?;
-            let name = if title.is_empty() { self.tree.title(id) } else { title.to_owned() };
+            self.faces.append(&geometry.faces, first, part, world.mirrors()).map_err(at)?;
+            let name = if title.is_empty() { geometry.title.clone() } else { title.to_owned() };
             self.name_bytes += (size_of::<String>() + name.len()) as u64;
-            self.limits.names.check("bytes of names", self.name_bytes).map_err(at)?;
+            self.budgets.names.check("bytes of names", self.name_bytes).map_err(at)?;
             self.parts.push(name);
         }
         Ok(())

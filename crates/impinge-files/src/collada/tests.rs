@@ -6,6 +6,10 @@ use crate::model::WarningKind;
 
 use super::*;
 
+fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+    super::read(bytes, &Limits::default())
+}
+
 /// Returns a document with Z up, in meters, with these libraries and scenes.
 fn document(libraries: &str) -> String {
     format!(
@@ -271,7 +275,7 @@ fn hostile_nesting_and_repetition_are_errors() {
     };
     let doubling: String = (0..60).map(twice).collect();
     let end = "<node id=\"n60\"><instance_geometry url=\"#g\"/></node>";
-    assert!(error(&with_nodes("", &format!("{doubling}{end}"))).contains("nodes exceed the limit of 1048576"));
+    assert!(error(&with_nodes("", &format!("{doubling}{end}"))).contains("nodes exceed the limit of 262144"));
     // Many sources that refer to one long array.
     let source = |i: usize| {
         let accessor = "<technique_common><accessor source=\"#long\" count=\"10000\" stride=\"3\"/></technique_common>";
@@ -281,7 +285,7 @@ fn hostile_nesting_and_repetition_are_errors() {
     };
     let long = format!("<source><float_array id=\"long\">{}</float_array></source>", "0 ".repeat(30_000));
     let text = with_primitives(&(long + &(0..2000).map(source).collect::<String>()));
-    assert!(error(&text).contains("positions of sources exceed the limit of 16777216"));
+    assert!(error(&text).contains("positions of sources exceed the limit of"));
     // Hundreds of thousands of nested elements need no stack.
     let text = document(&("<extra>".repeat(300_000) + &"</extra>".repeat(300_000)));
     assert!(parse(&text).faces.is_empty());

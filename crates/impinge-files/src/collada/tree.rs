@@ -28,6 +28,8 @@ struct Element {
     tag_end: usize,
     /// Start of the end tag, or `tag_end` if the element has no end tag.
     content_end: usize,
+    /// End of the end tag, or `tag_end` if the element has no end tag.
+    end: usize,
     /// Index of the first element after this one and everything in it.
     next: Id,
 }
@@ -54,6 +56,7 @@ impl<'a> Tree<'a> {
                 Event::End(_) => {
                     if let Some(id) = open.pop() {
                         tree.elements[id].content_end = start;
+                        tree.elements[id].end = tag_end;
                         tree.elements[id].next = tree.elements.len();
                     }
                 }
@@ -73,7 +76,7 @@ impl<'a> Tree<'a> {
     fn push(&mut self, start: usize, name_len: usize, tag_end: usize) {
         let id = self.elements.len();
         let name_end = start + 1 + name_len;
-        self.elements.push(Element { start, name_end, tag_end, content_end: tag_end, next: id + 1 });
+        self.elements.push(Element { start, name_end, tag_end, content_end: tag_end, end: tag_end, next: id + 1 });
         if let Some(name) = self.attribute(id, "id") {
             self.by_id.entry(name).or_insert(id);
         }
@@ -130,20 +133,13 @@ impl<'a> Tree<'a> {
             return Cow::Borrowed(content);
         }
         let mut text = String::new();
-        let mut reader = Reader::from_str(content);
-        reader.config_mut().allow_dangling_amp = true;
-        let mut depth = 0_usize;
-        loop {
-            match reader.read_event() {
-                Ok(Event::Text(piece)) if depth == 0 => text.push_str(&piece),
-                Ok(Event::CData(piece)) if depth == 0 => text.push_str(&piece),
-                Ok(Event::Start(_)) => depth += 1,
-                Ok(Event::End(_)) => depth = depth.saturating_sub(1),
-                // The text was parsed without an error before.
-                Ok(Event::Eof) | Err(_) => return Cow::Owned(text),
-                Ok(_) => {}
-            }
+        let mut start = element.tag_end;
+        for child in self.children(id).map(|child| &self.elements[child]) {
+            add_text(&self.text[start..child.start], &mut text);
+            start = child.end;
         }
+        add_text(&self.text[start..element.content_end], &mut text);
+        Cow::Owned(text)
     }
 
     /// Calls `visit` with each number in the text of an element.
@@ -228,6 +224,20 @@ impl<'a> Tree<'a> {
 
     fn line(&self, offset: usize) -> Place {
         Place::Line(line_at(self.text.as_bytes(), offset))
+    }
+}
+
+/// Appends the text and the CDATA sections of XML without elements, which is well-formed.
+fn add_text(xml: &str, text: &mut String) {
+    let mut reader = Reader::from_str(xml);
+    reader.config_mut().allow_dangling_amp = true;
+    loop {
+        match reader.read_event() {
+            Ok(Event::Text(piece)) => text.push_str(&piece),
+            Ok(Event::CData(piece)) => text.push_str(&piece),
+            Ok(Event::Eof) | Err(_) => return,
+            Ok(_) => {}
+        }
     }
 }
 

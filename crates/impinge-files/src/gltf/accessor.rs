@@ -5,7 +5,7 @@ use crate::error::{LoadError, LoadErrorKind, Place};
 
 use super::{
     buffer::Buffers,
-    document::{Document, Sparse},
+    document::{Accessor, Document, Sparse},
 };
 
 /// A document with its buffers.
@@ -30,10 +30,53 @@ pub(super) const F32: u32 = 5126;
 const FEW_ZEROS: u64 = 2048;
 
 impl Source<'_> {
-    /// Returns the number of elements of an accessor.
+    /// Returns the number of elements of an accessor. Returns an error if its buffer view has no
+    /// room for them.
     pub(super) fn count(&self, accessor: u32) -> Result<u64, LoadError> {
-        let accessors = &self.document.accessors;
-        accessors.get(accessor as usize).map(|a| a.count).ok_or_else(|| missing("accessor", accessor))
+        let found = self.accessor(accessor)?;
+        match self.room(found) {
+            Some(room) if found.count > room => {
+                Err(in_accessor(LoadError::truncated("elements", found.count, room), accessor))
+            }
+            _ => Ok(found.count),
+        }
+    }
+
+    fn accessor(&self, index: u32) -> Result<&Accessor, LoadError> {
+        self.document.accessors.get(index as usize).ok_or_else(|| missing("accessor", index))
+    }
+
+    /// Returns the number of elements that the buffer view of an accessor has room for. Returns
+    /// `None` if it has no view, or if reading it fails for another reason.
+    fn room(&self, accessor: &Accessor) -> Option<u64> {
+        let width = match &*accessor.shape {
+            "SCALAR" => 1,
+            "VEC3" => 3,
+            "VEC4" => 4,
+            "MAT4" => 16,
+            _ => return None,
+        };
+        let size = match accessor.component_type {
+            I8 | U8 => 1,
+            I16 | U16 => 2,
+            U32 | F32 => 4,
+            _ => return None,
+        };
+        let (bytes, stride) = self.view(accessor.buffer_view?).ok()?;
+        let element = width * size;
+        Some(room(bytes, accessor.byte_offset, element, stride.unwrap_or(element)))
+    }
+
+    /// Returns the number of elements that reading an accessor decodes: its own, and those that
+    /// replace them.
+    pub(super) fn decoded(&self, accessor: u32) -> Result<u64, LoadError> {
+        Ok(self.count(accessor)?.saturating_add(self.sparse_count(accessor)?))
+    }
+
+    /// Returns the number of elements that replace those of an accessor.
+    pub(super) fn sparse_count(&self, accessor: u32) -> Result<u64, LoadError> {
+        let found = self.accessor(accessor)?;
+        Ok(found.sparse.as_ref().map_or(0, |sparse| sparse.count))
     }
 
     /// Returns the positions of an accessor in f64, which holds the values of every component type.
@@ -77,7 +120,7 @@ impl Source<'_> {
     }
 
     fn elements<const N: usize>(&self, index: u32, shape: &str, types: &[u32]) -> Result<Vec<[f64; N]>, LoadError> {
-        let accessor = self.document.accessors.get(index as usize).ok_or_else(|| missing("accessor", index))?;
+        let accessor = self.accessor(index)?;
         if *accessor.shape != *shape {
             return Err(LoadError::syntax(format!("an accessor of type {shape}"), accessor.shape.as_bytes()));
         }
@@ -179,12 +222,10 @@ impl Source<'_> {
         if count == 0 {
             return Ok(Vec::new());
         }
-        let room = (bytes.len() as u64).saturating_sub(offset);
-        let room = if room < size { 0 } else { (room - size) / stride + 1 };
+        let room = room(bytes, offset, size, stride);
         if count > room {
             return Err(LoadError::truncated("elements", count, room));
         }
-        // The number of complete strides, plus the last element, whose stride may be cut off.
         let element = |at: usize| {
             let chunks = bytes[at..at + N * B].as_chunks::<B>().0;
             std::array::from_fn(|k| value(chunks[k]))
@@ -208,6 +249,13 @@ impl Source<'_> {
         }
         Ok((&bytes[view.byte_offset as usize..end as usize], view.byte_stride))
     }
+}
+
+/// Returns the number of elements of `size` bytes that fit after an offset: the number of complete
+/// strides, plus the last element, whose stride may be cut off.
+fn room(bytes: &[u8], offset: u64, size: u64, stride: u64) -> u64 {
+    let room = (bytes.len() as u64).saturating_sub(offset);
+    if room < size { 0 } else { (room - size) / stride.max(1) + 1 }
 }
 
 fn in_accessor(error: LoadError, accessor: u32) -> LoadError {

@@ -4,8 +4,7 @@
 use std::{
     borrow::Cow,
     collections::HashMap,
-    fs::File,
-    io::Read,
+    fs,
     path::{Component, Path, PathBuf},
 };
 
@@ -14,7 +13,11 @@ use base64::{
     engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig},
 };
 
-use crate::error::{LoadError, LoadErrorKind, Place};
+use crate::{
+    error::{LoadError, LoadErrorKind, Place},
+    limits::Limits,
+    regular_file,
+};
 
 use super::document::Buffer;
 
@@ -24,79 +27,156 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// All buffers of a document. Each file is read once.
+/// All buffers of a document. Buffers that name the same file share its content.
 pub(super) struct Buffers<'a> {
     data: Vec<Cow<'a, [u8]>>,
     /// For each buffer, its index in `data`; `None` for a buffer without data.
     of_buffer: Vec<Option<usize>>,
+    total_len: u64,
+}
+
+/// The content of one or several buffers, before it is read.
+struct Content<'d, 'a> {
+    origin: Origin<'d, 'a>,
+    /// Number of bytes that the buffers state, at most.
+    len: u64,
+    /// The first buffer with this content, for errors.
+    first: usize,
+}
+
+enum Origin<'d, 'a> {
+    Chunk(&'a [u8]),
+    /// Base64 text.
+    Text(&'d str),
+    /// A file: its URI for errors, and its path without links.
+    File(&'d str, PathBuf),
 }
 
 impl<'a> Buffers<'a> {
-    pub(super) fn load(buffers: &[Buffer], chunk: Option<&'a [u8]>, folder: Option<&Path>) -> Result<Self, LoadError> {
-        let mut data = Vec::new();
-        let mut by_uri = HashMap::new();
-        let mut of_buffer = Vec::new();
-        for (i, buffer) in buffers.iter().enumerate() {
-            let place = || Place::Entry(format!("buffer {i}"));
-            let entry = match (buffer.uri.as_deref(), chunk) {
-                (None, Some(chunk)) if i == 0 => {
-                    data.push(Cow::Borrowed(chunk));
-                    Some(data.len() - 1)
-                }
-                (None, _) => None,
-                (Some(uri), _) => Some(match by_uri.get(uri) {
-                    Some(&entry) => entry,
-                    None => {
-                        data.push(Cow::Owned(read_uri(uri, folder).map_err(|e| e.at(place()))?));
-                        by_uri.insert(uri, data.len() - 1);
-                        data.len() - 1
-                    }
-                }),
-            };
-            if let Some(entry) = entry {
-                let found = data[entry].len() as u64;
-                if found < buffer.byte_length {
-                    return Err(LoadError::truncated("bytes", buffer.byte_length, found).at(place()));
-                }
-            }
-            of_buffer.push(entry);
+    /// Loads all buffers. Files must lie in `folder`; `None` reads none. Only as many bytes of a
+    /// file are read as its buffers state.
+    pub(super) fn load(
+        buffers: &[Buffer],
+        chunk: Option<&'a [u8]>,
+        folder: Option<&Path>,
+        limits: &Limits,
+    ) -> Result<Self, LoadError> {
+        let (contents, of_buffer) = contents(buffers, chunk, folder)?;
+        let mut data = Vec::with_capacity(contents.len());
+        let mut total_len = 0_u64;
+        for content in contents {
+            let place = || Place::Entry(format!("buffer {}", content.first));
+            let bytes = content.read(limits, total_len).map_err(|e| e.at(place()))?;
+            total_len += bytes.len() as u64;
+            data.push(bytes);
         }
-        Ok(Self { data, of_buffer })
+        for (i, (buffer, content)) in buffers.iter().zip(&of_buffer).enumerate() {
+            let Some(content) = *content else { continue };
+            let found = data[content].len() as u64;
+            if found < buffer.byte_length {
+                let error = LoadError::truncated("bytes", buffer.byte_length, found);
+                return Err(error.at(Place::Entry(format!("buffer {i}"))));
+            }
+        }
+        Ok(Self { data, of_buffer, total_len })
     }
 
     /// Returns the bytes of a buffer, or `None` if it does not exist or has no data.
     pub(super) fn get(&self, buffer: u32) -> Option<&[u8]> {
-        let entry = self.of_buffer.get(buffer as usize).copied().flatten()?;
-        Some(&self.data[entry])
+        let content = self.of_buffer.get(buffer as usize).copied().flatten()?;
+        Some(&self.data[content])
     }
 
     /// Returns the total number of bytes.
     pub(super) fn total_len(&self) -> u64 {
-        self.data.iter().map(|d| d.len() as u64).sum()
+        self.total_len
     }
 }
 
-fn read_uri(uri: &str, folder: Option<&Path>) -> Result<Vec<u8>, LoadError> {
-    if let Some(content) = uri.strip_prefix("data:") {
-        let Some((_, text)) = content.split_once(";base64,") else {
-            return Err(LoadError::unsupported("a data URI that is not base64"));
+/// Returns the different contents, and for each buffer the index of its content.
+#[expect(clippy::type_complexity, reason = "used once")]
+fn contents<'d, 'a>(
+    buffers: &'d [Buffer],
+    chunk: Option<&'a [u8]>,
+    folder: Option<&Path>,
+) -> Result<(Vec<Content<'d, 'a>>, Vec<Option<usize>>), LoadError> {
+    let mut contents: Vec<Content<'_, '_>> = Vec::new();
+    let (mut by_uri, mut by_path) = (HashMap::new(), HashMap::new());
+    let mut of_buffer = Vec::with_capacity(buffers.len());
+    for (i, buffer) in buffers.iter().enumerate() {
+        let mut add = |origin| {
+            contents.push(Content { origin, len: 0, first: i });
+            contents.len() - 1
         };
-        return BASE64.decode(text).map_err(|e| LoadError::syntax("base64 text", e.to_string().as_bytes()));
+        let content = match (buffer.uri.as_deref(), chunk) {
+            (None, Some(chunk)) if i == 0 => Some(add(Origin::Chunk(chunk))),
+            (None, _) => None,
+            (Some(uri), _) => Some(match (by_uri.get(uri), uri.strip_prefix("data:")) {
+                (Some(&known), _) => known,
+                (None, Some(text)) => *by_uri.entry(uri).insert_entry(add(Origin::Text(text))).get(),
+                (None, None) => {
+                    let path = path_of(uri, folder).map_err(|e| e.at(Place::Entry(format!("buffer {i}"))))?;
+                    let file = || add(Origin::File(uri, path.clone()));
+                    let content = *by_path.entry(path.clone()).or_insert_with(file);
+                    by_uri.insert(uri, content);
+                    content
+                }
+            }),
+        };
+        if let Some(content) = content {
+            contents[content].len = contents[content].len.max(buffer.byte_length);
+        }
+        of_buffer.push(content);
     }
+    Ok((contents, of_buffer))
+}
+
+impl<'a> Content<'_, 'a> {
+    /// Returns the bytes. `before` is the number of bytes that other contents have.
+    fn read(&self, limits: &Limits, before: u64) -> Result<Cow<'a, [u8]>, LoadError> {
+        match &self.origin {
+            Origin::Chunk(chunk) => Ok(Cow::Borrowed(*chunk)),
+            Origin::Text(text) => decode(text).map(Cow::Owned),
+            Origin::File(uri, path) => {
+                self.read_file(path, limits, before).map(Cow::Owned).map_err(|e| match e.kind() {
+                    LoadErrorKind::Io { kind, message } => {
+                        LoadError::new(LoadErrorKind::Io { kind: *kind, message: format!("{uri}: {message}") })
+                    }
+                    _ => e,
+                })
+            }
+        }
+    }
+
+    fn read_file(&self, path: &Path, limits: &Limits, before: u64) -> Result<Vec<u8>, LoadError> {
+        let (file, len) = regular_file::open(path)?;
+        limits.check_bytes("bytes of buffers", before.saturating_add(len.min(self.len)))?;
+        let mut bytes = Vec::new();
+        regular_file::read_up_to(&file, len, self.len, &mut bytes)?;
+        Ok(bytes)
+    }
+}
+
+/// Decodes the text of a data URI after its scheme.
+fn decode(content: &str) -> Result<Vec<u8>, LoadError> {
+    let Some((_, text)) = content.split_once(";base64,") else {
+        return Err(LoadError::unsupported("a data URI that is not base64"));
+    };
+    BASE64.decode(text).map_err(|e| LoadError::syntax("base64 text", e.to_string().as_bytes()))
+}
+
+/// Returns the path of a file that a URI names, without links, so that different spellings give the
+/// same path.
+fn path_of(uri: &str, folder: Option<&Path>) -> Result<PathBuf, LoadError> {
     let path =
         relative_path(uri).ok_or_else(|| LoadError::new(LoadErrorKind::OutsideFolder { uri: uri.to_owned() }))?;
     let Some(folder) = folder else {
         return Err(LoadError::unsupported(format!("the file {uri:?} beside it")));
     };
-    let mut bytes = Vec::new();
-    let read = File::open(folder.join(path)).and_then(|mut file| file.read_to_end(&mut bytes));
-    match read {
-        Ok(_) => Ok(bytes),
-        Err(e) => {
-            let message = format!("{uri}: {e}");
-            Err(LoadError::new(LoadErrorKind::Io { kind: e.kind(), message }))
-        }
-    }
+    fs::canonicalize(folder.join(path)).map_err(|e| {
+        let message = format!("{uri}: {e}");
+        LoadError::new(LoadErrorKind::Io { kind: e.kind(), message })
+    })
 }
 
 /// Returns the path of a relative URI, or `None` if it may lead outside of its folder.
@@ -107,7 +187,8 @@ fn relative_path(uri: &str) -> Option<PathBuf> {
         return None;
     }
     let path = PathBuf::from(decoded.into_owned());
-    path.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir)).then_some(path)
+    let is_inside = path.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+    is_inside.then(|| path.components().filter(|c| *c != Component::CurDir).collect())
 }
 
 #[cfg(test)]
@@ -139,10 +220,10 @@ mod tests {
 
     #[test]
     fn base64_is_decoded_with_or_without_padding() {
-        for text in ["data:application/octet-stream;base64,AQI=", "data:;base64,AQI"] {
-            assert_eq!(read_uri(text, None), Ok(vec![1, 2]));
+        for text in ["application/octet-stream;base64,AQI=", ";base64,AQI"] {
+            assert_eq!(decode(text), Ok(vec![1, 2]));
         }
-        assert_eq!(read_uri("data:;base64,A!", None).unwrap_err().kind().name(), "syntax");
-        assert_eq!(read_uri("data:text/plain,x", None).unwrap_err().kind().name(), "unsupported-feature");
+        assert_eq!(decode(";base64,A!").unwrap_err().kind().name(), "syntax");
+        assert_eq!(decode("text/plain,x").unwrap_err().kind().name(), "unsupported-feature");
     }
 }

@@ -50,6 +50,15 @@ pub(super) fn copies(source: &Source<'_>, instance: &Instance) -> Result<u64, Lo
     Ok(count.unwrap_or(1))
 }
 
+/// Returns the number of sparse elements in the attributes that place the instances.
+pub(super) fn sparse_count(source: &Source<'_>, instance: &Instance) -> Result<u64, LoadError> {
+    let Some(Attributes { translation, rotation, scale }) = attributes_of(source, instance) else { return Ok(0) };
+    let accessors = [translation, rotation, scale].into_iter().flatten();
+    accessors
+        .map(|accessor| source.sparse_count(accessor))
+        .try_fold(0, |sum: u64, count| Ok(sum.saturating_add(count?)))
+}
+
 /// Returns the maps that place the instances in the scene.
 pub(super) fn worlds(source: &Source<'_>, instance: &Instance) -> Result<Vec<Affine>, LoadError> {
     let Some(Attributes { translation, rotation, scale }) = attributes_of(source, instance) else {

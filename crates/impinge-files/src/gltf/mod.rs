@@ -34,7 +34,8 @@ use impinge::Positions;
 use crate::{
     error::{LoadError, LoadErrorKind, Place},
     format::Format,
-    instance::{Affine, Budget},
+    instance::Affine,
+    limits::{Budget, Limits},
     model::{Faces, Model, WarningKind},
     text::{MAX_NAME, name},
     unit::Unit,
@@ -45,18 +46,18 @@ use document::{Asset, Document, Mesh, Primitive, Versioned};
 use scene::Instance;
 
 /// Reads a document. External buffers are read from `folder`, or not at all if it is `None`.
-pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Model, LoadError> {
-    let mut faces = Faces::default();
+pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>, limits: &Limits) -> Result<Model, LoadError> {
+    let mut faces = Faces::new(limits);
     let (json, chunk) = match format {
         Format::Glb => container::split(bytes, &mut faces.warnings)?,
         _ => (bytes, None),
     };
     let document = read_document(json, format)?;
-    let buffers = Buffers::load(&document.buffers, chunk, folder)?;
+    let buffers = Buffers::load(&document.buffers, chunk, folder, limits)?;
     let source = Source { document: &document, buffers: &buffers, json_len: json.len() as u64 };
     let len = bytes.len() as u64 + buffers.total_len();
     let instances = scene::instances(&document, &mut faces.warnings, Budget::for_nodes(len))?;
-    check_budget(&source, &instances, len)?;
+    check_budget(&source, &instances, len, limits)?;
 
     let mut reader = Reader { source, positions: Vec::new(), parts: Vec::new(), faces };
     for instance in &instances {
@@ -102,28 +103,36 @@ fn check_version(asset: &Asset) -> Result<(), LoadError> {
 /// Hint how to convert a file of glTF 1.0.
 const CONVERT_VERSION_1: &str = "convert it to glTF 2.0, for example with `npx gltf-pipeline -i in.gltf -o out.gltf`";
 
-/// Returns an error if the instances add up to too many vertices, corners, primitives or bytes of
-/// names, before anything is stored. The file and its buffers have `len` bytes.
-fn check_budget(source: &Source<'_>, instances: &[Instance], len: u64) -> Result<(), LoadError> {
-    let (budget, names) = (Budget::for_bytes(len), Budget::for_names(len));
+/// Returns an error if the instances add up to too many vertices, corners, primitives, sparse
+/// elements or bytes of names, before anything is decoded. The file and its buffers have `len`
+/// bytes.
+fn check_budget(source: &Source<'_>, instances: &[Instance], len: u64, limits: &Limits) -> Result<(), LoadError> {
+    let (budget, names) = (Budget::for_bytes(len, limits), Budget::for_names(len));
     let mut of_mesh = vec![None; source.document.meshes.len()];
-    let mut total = [0_u64; 3];
+    let mut total = [0_u64; 4];
     let mut name_bytes = 0_u64;
     for instance in instances {
+        let at = |e: LoadError| match (instance.node, e.place()) {
+            (Some(node), None) => e.at(Place::Entry(format!("node {node}"))),
+            (None, None) => e.at(Place::Entry(format!("mesh {}", instance.mesh))),
+            _ => e,
+        };
         let counts = match of_mesh[instance.mesh] {
             Some(counts) => counts,
             None => *of_mesh[instance.mesh].insert(mesh_counts(source, &source.document.meshes[instance.mesh])?),
         };
         let copies = instancing::copies(source, instance)?;
-        for (k, what) in ["vertices", "corners of triangles", "primitives"].into_iter().enumerate() {
+        total[3] = total[3].saturating_add(instancing::sparse_count(source, instance)?);
+        let items = ["vertices", "corners of triangles", "primitives", "sparse elements"];
+        for (k, what) in items.into_iter().enumerate() {
             total[k] = total[k].saturating_add(counts[k].saturating_mul(copies));
-            budget.check(what, total[k])?;
+            budget.check(what, total[k]).map_err(at)?;
         }
         if counts[2] > 0 {
             let name = part_name(source.document, instance).len().min(MAX_NAME);
             let bytes = (size_of::<String>() + name) as u64;
             name_bytes = name_bytes.saturating_add(bytes.saturating_mul(copies));
-            names.check("bytes of names", name_bytes)?;
+            names.check("bytes of names", name_bytes).map_err(at)?;
         }
     }
     Ok(())
@@ -135,18 +144,21 @@ fn part_name<'a>(document: &'a Document, instance: &Instance) -> &'a str {
     own.or(document.meshes[instance.mesh].name.as_deref()).unwrap_or_default()
 }
 
-/// Returns the numbers of vertices, corners and primitives of a mesh. Vertices that several
-/// primitives share count once.
-fn mesh_counts(source: &Source<'_>, mesh: &Mesh) -> Result<[u64; 3], LoadError> {
+/// Returns the numbers of vertices, corners, primitives and sparse elements of a mesh. Vertices that
+/// several primitives share count once, because they are decoded once.
+fn mesh_counts(source: &Source<'_>, mesh: &Mesh) -> Result<[u64; 4], LoadError> {
     let mut seen = HashSet::new();
-    let mut counts = [0_u64, 0, mesh.primitives.len() as u64];
+    let mut counts = [0_u64, 0, mesh.primitives.len() as u64, 0];
     for primitive in &mesh.primitives {
-        let Some(positions) = primitive.attributes.position else { continue };
+        let is_surface = primitive.mode.unwrap_or(4) >= 4;
+        let Some(positions) = primitive.attributes.position.filter(|_| is_surface) else { continue };
         let count = source.count(positions)?;
         if seen.insert(positions) {
             counts[0] = counts[0].saturating_add(count);
+            counts[3] = counts[3].saturating_add(source.sparse_count(positions)?);
         }
         counts[1] = counts[1].saturating_add(primitive.indices.map_or(Ok(count), |i| source.count(i))?);
+        counts[3] = counts[3].saturating_add(primitive.indices.map_or(Ok(0), |i| source.sparse_count(i))?);
     }
     Ok(counts)
 }
@@ -199,7 +211,10 @@ impl Reader<'_> {
                 Some(indices) => self.source.indices(indices, len)?,
                 None => (0..len as u32).collect(),
             };
-            self.triangles(mode, &corners, first, world.mirrors())?;
+            self.triangles(mode, &corners, first, world.mirrors()).map_err(|e| match (e.place(), place()) {
+                (None, Some(place)) => e.at(place),
+                _ => e,
+            })?;
         }
         if self.faces.faces.len() > before {
             self.parts.push(name.to_owned());

@@ -2,7 +2,8 @@
 
 use crate::{
     error::{LoadError, Place},
-    instance::{Affine, Budget},
+    instance::Affine,
+    limits::Budget,
     model::{WarningKind, Warnings},
 };
 

@@ -23,17 +23,18 @@ use crate::{
     encoding::PlainText,
     error::{LoadError, LoadErrorKind, Place},
     format::Format,
+    limits::Limits,
     model::{Faces, Model, WarningKind, stored},
     non_finite::NonFinite,
     text::{integer, name, number, split_token, tokens},
 };
 use statements::Statements;
 
-pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+pub(crate) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, LoadError> {
     let plain = PlainText::new(bytes, Format::Obj)?;
     let text = &*plain.text;
     let (positions, non_finite) = read_vertices(text)?;
-    let mut faces = FaceReader { positions: &positions, ..FaceReader::default() };
+    let mut faces = FaceReader { positions: &positions, faces: Faces::new(limits), ..FaceReader::default() };
     let mut statements = Statements::new(text);
     while let Some((line, statement)) = statements.next() {
         let (keyword, rest) = split_token(&statement);
@@ -249,6 +250,10 @@ mod tests {
     use impinge::Positions;
 
     use super::*;
+
+    fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+        super::read(bytes, &Limits::default())
+    }
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 

@@ -9,6 +9,7 @@ use impinge::Positions;
 use crate::{
     error::{LoadError, LoadErrorKind, Place},
     format::Format,
+    limits::Limits,
     model::{Faces, Model, WarningKind},
     non_finite::NonFinite,
 };
@@ -16,7 +17,7 @@ use crate::{
 use super::Header;
 
 /// Reads the file, whose values begin at byte `start`.
-pub(super) fn read(bytes: &[u8], start: usize, header: &Header<'_>) -> Result<Model, LoadError> {
+pub(super) fn read(bytes: &[u8], start: usize, header: &Header<'_>, limits: &Limits) -> Result<Model, LoadError> {
     let mut words = Words { bytes, at: start };
     let [vertices, faces, _] = [
         words.count("the number of vertices")?,
@@ -25,7 +26,7 @@ pub(super) fn read(bytes: &[u8], start: usize, header: &Header<'_>) -> Result<Mo
     ];
     let (mut positions, non_finite) = read_vertices(&mut words, vertices, header.extra_values())?;
     non_finite.replace(&mut positions);
-    let mut faces = read_faces(&mut words, faces, &positions)?;
+    let mut faces = read_faces(&mut words, faces, &positions, Faces::new(limits))?;
     non_finite.check_unused(&mut faces, Place::Byte)?;
     let trailing = bytes.len() - words.at;
     faces.warnings.add(WarningKind::TrailingBytes, trailing as u64, || Some(words.place()));
@@ -52,10 +53,9 @@ fn read_vertices(
     Ok((positions, non_finite))
 }
 
-fn read_faces(words: &mut Words<'_>, count: u64, positions: &[[f32; 3]]) -> Result<Faces, LoadError> {
+fn read_faces(words: &mut Words<'_>, count: u64, positions: &[[f32; 3]], mut faces: Faces) -> Result<Faces, LoadError> {
     // Each face stores at least its number of corners and its number of color values.
     words.check_room("faces", count, 2)?;
-    let mut faces = Faces::default();
     let mut corners = Vec::new();
     for face in 0..count {
         let place = words.place();
@@ -147,7 +147,7 @@ mod tests {
     }
 
     fn error(bytes: &[u8]) -> String {
-        crate::off::read(bytes).unwrap_err().to_string()
+        crate::off::read(bytes, &Limits::default()).unwrap_err().to_string()
     }
 
     #[test]
@@ -159,14 +159,14 @@ mod tests {
             ("STCNOFF BINARY\n", 9),
             ("off binary\n", 0),
         ] {
-            let model = crate::off::read(&file(header, square(extra_values))).unwrap();
+            let model = crate::off::read(&file(header, square(extra_values)), &Limits::default()).unwrap();
             let expected = vec![[0.0, 0.0, 0.1], [1.0, 0.0, 0.1], [1.0, 1.0, 0.1], [0.0, 1.0, 0.1]];
             assert_eq!(model.positions, Positions::F32(expected), "{header}");
             assert_eq!(model.faces, [[0, 1, 2], [0, 2, 3], [2, 1, 0]]);
             assert_eq!((model.sources, model.parts.len()), (vec![0, 0, 1], 1));
             assert!(model.warnings.is_empty());
         }
-        let empty = crate::off::read(&file("OFF BINARY\n", [0, 0, 0].map(Int))).unwrap();
+        let empty = crate::off::read(&file("OFF BINARY\n", [0, 0, 0].map(Int)), &Limits::default()).unwrap();
         assert!(empty.positions.is_empty() && empty.parts.is_empty());
     }
 
@@ -194,7 +194,7 @@ mod tests {
         let mut bytes = file("OFF BINARY\n", [2, 0, 0].map(Int).into_iter().chain([1.0; 3].map(Float)));
         bytes.extend(file("", [f32::NAN; 3].map(Float)));
         bytes.extend(b"tail");
-        let model = crate::off::read(&bytes).unwrap();
+        let model = crate::off::read(&bytes, &Limits::default()).unwrap();
         assert_eq!(model.positions, Positions::F32(vec![[1.0; 3]; 2]));
         let warnings: Vec<_> = model.warnings.iter().map(|w| (w.kind, w.count, w.first.clone())).collect();
         let expected = [

@@ -13,6 +13,7 @@ use crate::{
     encoding::PlainText,
     error::{LoadError, Place},
     format::Format,
+    limits::Limits,
     model::Model,
     text::{Lines, split_token, trim_start, without_bom},
 };
@@ -23,13 +24,13 @@ pub(crate) fn opens(text: &[u8]) -> bool {
     split_token(line).0.ends_with(b"OFF") && Header::new(line).is_some()
 }
 
-pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+pub(crate) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, LoadError> {
     let mut content = Content::new(without_bom(bytes));
     let line = content.next().unwrap_or_default();
     if let Some(header) = Header::new(line).filter(|header| header.is_binary() && !header.is_of_other_dimension()) {
-        return binary::read(bytes, bytes.len() - content.lines.rest().len(), &header);
+        return binary::read(bytes, bytes.len() - content.lines.rest().len(), &header, limits);
     }
-    text::read(&PlainText::new(bytes, Format::Off)?)
+    text::read(&PlainText::new(bytes, Format::Off)?, limits)
 }
 
 /// Iterates over the lines that are not only comments, without their comments.
@@ -111,6 +112,10 @@ mod tests {
 
     use super::*;
     use crate::model::WarningKind;
+
+    fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+        super::read(bytes, &Limits::default())
+    }
 
     fn error(text: &str) -> String {
         read(text.as_bytes()).unwrap_err().to_string()

@@ -9,6 +9,7 @@ use crate::{
     encoding::PlainText,
     error::{LoadError, LoadErrorKind, Place},
     format::Format,
+    limits::Limits,
     model::{Faces, Model, WarningKind, stored, too_many},
     non_finite::NonFinite,
     text::{integer, number, split_token, tokens, trim_start},
@@ -16,10 +17,10 @@ use crate::{
 
 use super::{Content, Header};
 
-pub(super) fn read(plain: &PlainText<'_>) -> Result<Model, LoadError> {
+pub(super) fn read(plain: &PlainText<'_>, limits: &Limits) -> Result<Model, LoadError> {
     let mut content = Content::new(&plain.text);
     let (counts, extra_values) = read_counts(&mut content)?;
-    let body = |by_tokens| Body { content: content.clone(), line: &[], by_tokens };
+    let body = |by_tokens| Body { content: content.clone(), line: &[], by_tokens, limits };
     let by_lines = body(false).read(counts, 0, plain);
     by_lines.or_else(|error| body(true).read(counts, extra_values, plain).map_err(|_| error))
 }
@@ -61,6 +62,7 @@ struct Body<'a> {
     line: &'a [u8],
     /// Whether lines may be broken anywhere.
     by_tokens: bool,
+    limits: &'a Limits,
 }
 
 impl<'a> Body<'a> {
@@ -104,7 +106,7 @@ impl<'a> Body<'a> {
     }
 
     fn read_faces(&mut self, count: u64, positions: &[[f64; 3]]) -> Result<Faces, LoadError> {
-        let mut faces = Faces::default();
+        let mut faces = Faces::new(self.limits);
         let mut corners = Vec::new();
         for face in 0..count {
             if !self.start_item() {

@@ -28,6 +28,7 @@ pub use write::write_ply;
 use crate::{
     error::{LoadError, Place},
     format::Format,
+    limits::Limits,
     model::{Faces, Model, WarningKind},
     non_finite::NonFinite,
 };
@@ -35,12 +36,12 @@ use faces::read_faces;
 use header::{Element, Encoding, Header, Property, Scalar};
 use vertices::read_vertices;
 
-pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+pub(crate) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, LoadError> {
     let header = Header::read(bytes)?;
     match header.encoding {
-        Encoding::Ascii => read_body(&header, ascii::Ascii::new(bytes, header.len)?),
-        Encoding::LittleEndian => read_body(&header, binary::Binary::<false>::new(bytes, header.len)),
-        Encoding::BigEndian => read_body(&header, binary::Binary::<true>::new(bytes, header.len)),
+        Encoding::Ascii => read_body(&header, ascii::Ascii::new(bytes, header.len)?, limits),
+        Encoding::LittleEndian => read_body(&header, binary::Binary::<false>::new(bytes, header.len), limits),
+        Encoding::BigEndian => read_body(&header, binary::Binary::<true>::new(bytes, header.len), limits),
     }
 }
 
@@ -94,10 +95,10 @@ trait Values {
     }
 }
 
-fn read_body(header: &Header, mut values: impl Values) -> Result<Model, LoadError> {
+fn read_body(header: &Header, mut values: impl Values, limits: &Limits) -> Result<Model, LoadError> {
     let mut positions = None;
     let mut non_finite = NonFinite::default();
-    let mut faces = Faces::default();
+    let mut faces = Faces::new(limits);
     faces.warnings.add(WarningKind::UnknownLines, header.unknown_lines, || Some(Place::Line(header.first_unknown)));
     let mut deferred = Vec::new();
     let has_vertices = header.elements.iter().any(|e| e.name == "vertex");

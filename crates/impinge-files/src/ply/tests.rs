@@ -4,6 +4,10 @@ use super::*;
 
 const ASCII: &str = "ply\nformat ascii 1.0\ncomment made by hand\n";
 
+fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+    super::read(bytes, &Limits::default())
+}
+
 fn parse(text: impl AsRef<[u8]>) -> Model {
     read(text.as_ref()).unwrap()
 }

@@ -4,6 +4,7 @@ use crate::{
     encoding::PlainText,
     error::{LoadError, Place},
     format::Format,
+    limits::Limits,
     model::{Faces, Model, WarningKind, stored, too_many},
     text::{line_at, name, number, split_token},
     weld::Weld,
@@ -11,9 +12,9 @@ use crate::{
 
 use super::non_finite;
 
-pub(super) fn read(plain: &PlainText<'_>) -> Result<Model, LoadError> {
+pub(super) fn read(plain: &PlainText<'_>, limits: &Limits) -> Result<Model, LoadError> {
     let text = &*plain.text;
-    let mut reader = Reader { text, ..Reader::default() };
+    let mut reader = Reader { text, faces: Faces::new(limits), ..Reader::default() };
     reader.read().map_err(|e| e.at(Place::Line(line_at(text, reader.token_at))))?;
     let Reader { mut faces, weld, parts, .. } = reader;
     plain.warn(&mut faces.warnings);
@@ -217,7 +218,10 @@ mod tests {
     use impinge::Positions;
 
     use super::*;
-    use crate::stl::read;
+
+    fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+        crate::stl::read(bytes, &Limits::default())
+    }
 
     fn error(bytes: impl AsRef<[u8]>) -> String {
         read(bytes.as_ref()).unwrap_err().to_string()

@@ -5,6 +5,7 @@ use impinge::Positions;
 use crate::{
     error::{LoadError, LoadErrorKind, Place},
     format::Format,
+    limits::Limits,
     model::{Faces, Model, WarningKind, too_many},
     weld::Weld,
 };
@@ -28,7 +29,7 @@ pub(super) fn stated_count(bytes: &[u8]) -> Option<u32> {
     Some(u32::from_le_bytes(count.try_into().ok()?))
 }
 
-pub(super) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, LoadError> {
     let Some(count) = stated_count(bytes) else {
         return Err(LoadError::truncated("bytes of header", HEADER as u64, bytes.len() as u64));
     };
@@ -36,24 +37,29 @@ pub(super) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
     match count {
         // A program that did not know the number beforehand and did not set it at the end leaves
         // one of these.
-        u32::MAX if room > 0 => read_facets(bytes, room, true),
+        u32::MAX if room > 0 => read_facets(bytes, room, true, limits),
         // A file without triangles may have other bytes after its count. Text has no NULs; facets
         // almost always have some.
-        0 if room > 0 && memchr::memchr(0, &bytes[HEADER..]).is_some() => match read_facets(bytes, room, true) {
-            Err(error) if matches!(error.kind(), LoadErrorKind::NonFinite { .. }) => read_facets(bytes, 0, false),
-            result => result,
-        },
+        0 if room > 0 && memchr::memchr(0, &bytes[HEADER..]).is_some() => {
+            match read_facets(bytes, room, true, limits) {
+                Err(error) if matches!(error.kind(), LoadErrorKind::NonFinite { .. }) => {
+                    read_facets(bytes, 0, false, limits)
+                }
+                result => result,
+            }
+        }
         _ if count as u64 > room as u64 => {
             Err(LoadError::truncated("triangles", count.into(), room as u64).at(Place::Byte(HEADER as u64 - 4)))
         }
-        _ => read_facets(bytes, count as usize, false),
+        _ => read_facets(bytes, count as usize, false, limits),
     }
 }
 
 /// Reads `count` facets, which must fit in the file.
-fn read_facets(bytes: &[u8], count: usize, is_unset: bool) -> Result<Model, LoadError> {
+fn read_facets(bytes: &[u8], count: usize, is_unset: bool, limits: &Limits) -> Result<Model, LoadError> {
     let (facets, trailing) = bytes[HEADER..].split_at(count * FACET);
-    let mut faces = Faces::default();
+    let mut faces = Faces::new(limits);
+    faces.check_room(count as u64).map_err(|e| e.at(Place::Byte(HEADER as u64 - 4)))?;
     faces.reserve(count);
     let mut weld = Weld::<f32>::with_capacity(count / 2);
     for (i, facet) in facets.as_chunks::<FACET>().0.iter().enumerate() {
@@ -93,7 +99,7 @@ mod tests {
         [[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0.0, 1.0, 0.0], [1.0, -0.0, 0.0], [1.0, 1.0, 0.1]]];
 
     fn read(bytes: &[u8]) -> Result<Model, LoadError> {
-        crate::stl::read(bytes)
+        crate::stl::read(bytes, &Limits::default())
     }
 
     fn error(bytes: &[u8]) -> String {

@@ -18,6 +18,7 @@ use crate::{
     encoding::{PlainText, utf16},
     error::{LoadError, LoadErrorKind},
     format::Format,
+    limits::Limits,
     model::Model,
     text::{split_token, trim_start, without_bom},
 };
@@ -40,12 +41,12 @@ pub(crate) fn opens_as_text(bytes: &[u8]) -> bool {
     [&b"facet"[..], b"endsolid"].iter().any(|w| word.eq_ignore_ascii_case(w))
 }
 
-pub(crate) fn read(bytes: &[u8]) -> Result<Model, LoadError> {
+pub(crate) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, LoadError> {
     if is_binary(bytes) {
-        return binary::read(bytes);
+        return binary::read(bytes, limits);
     }
     // The text may not be STL; then the ASCII reader reports the place of the error.
-    ascii::read(&PlainText::new(bytes, Format::Stl)?)
+    ascii::read(&PlainText::new(bytes, Format::Stl)?, limits)
 }
 
 fn is_binary(bytes: &[u8]) -> bool {

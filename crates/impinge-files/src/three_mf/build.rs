@@ -4,67 +4,19 @@ use std::collections::HashMap;
 
 use crate::{
     error::{LoadError, LoadErrorKind, Place},
-    instance::{Affine, Budget},
+    instance::Affine,
+    limits::{Budget, Limits},
     model::{Faces, WarningKind},
-    unit::Unit,
 };
 
 use super::{
-    package::Package,
-    part::{Object, Part, Reference},
+    models::{Key, Models},
+    part::{Object, Reference},
 };
 
 /// Maximum nesting depth of components. It ends cycles and bounds the stack. Assemblies of CAD
 /// programs nest about ten deep.
 const MAX_DEPTH: u32 = 64;
-
-/// An object: the index of its part, and its id in the part.
-type Key = (usize, u32);
-
-/// All model parts that the build uses, starting with the part that contains the build.
-pub(super) struct Models {
-    parts: Vec<Part>,
-    paths: Vec<String>,
-    by_path: HashMap<String, usize>,
-}
-
-impl Models {
-    pub(super) fn load(package: &mut Package<'_>, start: String) -> Result<Self, LoadError> {
-        let mut models = Self { parts: Vec::new(), paths: vec![start.clone()], by_path: HashMap::from([(start, 0)]) };
-        while let Some(path) = models.paths.get(models.parts.len()) {
-            let part = Part::read(&package.read(path)?, path)?;
-            let components = part.objects.values().flat_map(|object| &object.components);
-            for path in part.items.iter().chain(components).filter_map(|r| r.path.as_deref()) {
-                if !models.by_path.contains_key(path) {
-                    models.by_path.insert(path.to_owned(), models.paths.len());
-                    models.paths.push(path.to_owned());
-                }
-            }
-            models.parts.push(part);
-        }
-        Ok(models)
-    }
-
-    /// Returns the unit of the build.
-    pub(super) fn unit(&self) -> Unit {
-        self.parts[0].unit
-    }
-
-    /// Returns the object that a reference in a part refers to. Returns an error if it does not
-    /// exist.
-    fn resolve(&self, part: usize, reference: &Reference) -> Result<(Key, &Object), LoadError> {
-        let part = reference.path.as_deref().map_or(part, |path| self.by_path[path]);
-        let key = (part, reference.object);
-        match self.parts[part].objects.get(&reference.object) {
-            Some(object) => Ok((key, object)),
-            None => Err(LoadError::syntax("an object with this id", b"").at(self.place(key))),
-        }
-    }
-
-    fn place(&self, (part, id): Key) -> Place {
-        Place::Entry(format!("{}, object {id}", self.paths[part]))
-    }
-}
 
 /// Counts of an object, including everything nested in it.
 #[derive(Clone, Copy)]
@@ -76,8 +28,19 @@ struct Sum {
     height: u32,
 }
 
+/// Maximum numbers of items of the build.
+#[derive(Clone, Copy)]
+pub(super) struct Budgets {
+    /// For vertices, triangles and components.
+    pub(super) items: Budget,
+    /// For the bytes of the names of parts.
+    pub(super) names: Budget,
+}
+
 pub(super) struct Build<'a> {
     models: &'a Models,
+    names: Budget,
+    name_bytes: u64,
     pub(super) positions: Vec<[f64; 3]>,
     pub(super) parts: Vec<String>,
     pub(super) faces: Faces,
@@ -85,10 +48,13 @@ pub(super) struct Build<'a> {
 
 impl<'a> Build<'a> {
     /// Adds all items of the build, after checking that they stay within the budget.
-    pub(super) fn run(models: &'a Models, budget: Budget) -> Result<Self, LoadError> {
-        let items = &models.parts[0].items;
-        Counter { models, budget, known: HashMap::new() }.sum(0, items, Sum::of(None), 0)?;
-        let mut build = Self { models, positions: Vec::new(), parts: Vec::new(), faces: Faces::default() };
+    pub(super) fn run(models: &'a Models, budgets: Budgets, limits: &Limits) -> Result<Self, LoadError> {
+        let Budgets { items: budget, names } = budgets;
+        let items = models.items();
+        let total = Counter { models, budget, known: HashMap::new() }.sum(0, items, Sum::of(None), 0)?;
+        let faces = Faces::new(limits);
+        faces.check_room(total.triangles).map_err(|e| e.at(Place::Entry("the build".into())))?;
+        let mut build = Self { models, names, name_bytes: 0, positions: Vec::new(), parts: Vec::new(), faces };
         for item in items {
             build.add(0, item, &Affine::IDENTITY, "")?;
         }
@@ -104,6 +70,8 @@ impl<'a> Build<'a> {
         self.faces.warnings.add(WarningKind::Beams, object.beams, || Some(self.models.place(key)));
         if !object.faces.is_empty() {
             self.add_faces(object, &world)?;
+            self.name_bytes += (size_of::<String>() + name.len()) as u64;
+            self.names.check("bytes of names", self.name_bytes).map_err(|e| e.at(self.models.place(key)))?;
             self.parts.push(name.to_owned());
         }
         for (vertex, &p) in object.positions.iter().enumerate() {
@@ -158,9 +126,10 @@ impl Counter<'_> {
             sum.triangles = sum.triangles.saturating_add(inner.triangles);
             sum.components = sum.components.saturating_add(inner.components);
             sum.height = sum.height.max(inner.height + 1);
-            self.budget.check("vertices", sum.vertices)?;
-            self.budget.check("triangles", sum.triangles)?;
-            self.budget.check("components", sum.components)?;
+            let counts = [("vertices", sum.vertices), ("triangles", sum.triangles), ("components", sum.components)];
+            for (what, count) in counts {
+                self.budget.check(what, count).map_err(|e| e.at(self.models.place(key)))?;
+            }
         }
         Ok(sum)
     }

@@ -11,6 +11,7 @@
 //! - Parts are UTF-8 or UTF-16. Byte offsets in errors refer to the text as UTF-8.
 
 mod build;
+mod models;
 mod package;
 mod part;
 #[cfg(test)]
@@ -19,19 +20,20 @@ mod tests;
 use crate::{
     error::{LoadError, LoadErrorKind, Place},
     format::Format,
-    instance::Budget,
+    limits::{Budget, Limits},
     model::{Model, stored},
 };
-use build::{Build, Models};
+use build::{Budgets, Build};
+use models::Models;
 use package::Package;
 
 /// Reads a package. Its unpacked size is limited by the size of the file, which may be gzip.
-pub(crate) fn read(bytes: &[u8], file_size: u64) -> Result<Model, LoadError> {
-    let mut package = Package::open(bytes, file_size)?;
+pub(crate) fn read(bytes: &[u8], file_size: u64, limits: &Limits) -> Result<Model, LoadError> {
+    let mut package = Package::open(bytes, file_size, limits)?;
     let start = package.start_part()?;
     let models = Models::load(&mut package, start)?;
-    let budget = Budget::for_bytes(file_size);
-    let Build { positions, parts, faces, .. } = Build::run(&models, budget)?;
+    let budgets = Budgets { items: Budget::for_bytes(file_size, limits), names: Budget::for_names(file_size) };
+    let Build { positions, parts, faces, .. } = Build::run(&models, budgets, limits)?;
     faces.into_model(stored(positions), parts, Some(models.unit()), Format::ThreeMf)
 }
 

@@ -1,12 +1,13 @@
 //! Reads the package of a 3MF model (Open Packaging Conventions): a ZIP archive with relationships.
 
-use std::io::Cursor;
+use std::{collections::HashMap, io::Cursor};
 
 use quick_xml::{Reader, XmlVersion, events::Event};
 use zip::{ZipArchive, result::ZipError};
 
 use crate::{
     error::{LoadError, Place},
+    limits::Limits,
     packed::Allowance,
     xml::{self, Encoding},
 };
@@ -18,8 +19,13 @@ const MODEL_TYPE: &str = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3
 const RELATIONSHIPS: &str = "_rels/.rels";
 const USUAL_MODEL: &str = "3D/3dmodel.model";
 
+/// The index of an entry of the archive.
+pub(super) type Entry = usize;
+
 pub(super) struct Package<'a> {
     archive: ZipArchive<Cursor<&'a [u8]>>,
+    /// The first entry of each name, without a slash at the start and in lower case.
+    by_name: HashMap<String, Entry>,
     /// Shared by all entries, because they may overlap.
     allowance: Allowance,
 }
@@ -27,15 +33,21 @@ pub(super) struct Package<'a> {
 impl<'a> Package<'a> {
     /// Opens a package. `file_size` is the size of the file in bytes, which is smaller than `bytes`
     /// if the package was compressed by gzip.
-    pub(super) fn open(bytes: &'a [u8], file_size: u64) -> Result<Self, LoadError> {
+    pub(super) fn open(bytes: &'a [u8], file_size: u64, limits: &Limits) -> Result<Self, LoadError> {
         let archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| corrupt(&e))?;
-        Ok(Self { archive, allowance: Allowance::for_packed(file_size) })
+        let mut by_name = HashMap::with_capacity(archive.len());
+        for (entry, name) in archive.file_names().enumerate() {
+            if let Ok(name) = name {
+                by_name.entry(folded(&name)).or_insert(entry);
+            }
+        }
+        Ok(Self { archive, by_name, allowance: Allowance::for_packed(file_size, limits) })
     }
 
     /// Returns the path of the part that contains the build.
     pub(super) fn start_part(&mut self) -> Result<String, LoadError> {
-        if self.find(RELATIONSHIPS).is_some() {
-            let text = self.read(RELATIONSHIPS)?;
+        if let Some(entry) = self.find(RELATIONSHIPS) {
+            let text = self.read(entry, RELATIONSHIPS)?;
             if let Some(target) = model_target(&text) {
                 return Ok(target);
             }
@@ -43,24 +55,31 @@ impl<'a> Package<'a> {
         if self.find(USUAL_MODEL).is_some() { Ok(USUAL_MODEL.to_owned()) } else { Err(no_model()) }
     }
 
-    /// Returns the text of a part.
-    pub(super) fn read(&mut self, path: &str) -> Result<String, LoadError> {
+    /// Returns the entry of a part. Returns an error if it does not exist.
+    pub(super) fn entry(&self, path: &str) -> Result<Entry, LoadError> {
+        let missing = || LoadError::syntax("this part of the package", b"").at(Place::Entry(path.to_owned()));
+        self.find(path).ok_or_else(missing)
+    }
+
+    /// Returns the text of a part; `path` is its path, for errors.
+    pub(super) fn read(&mut self, entry: Entry, path: &str) -> Result<String, LoadError> {
         let place = || Place::Entry(path.to_owned());
-        let index = self.find(path).ok_or_else(|| LoadError::syntax("this part of the package", b"").at(place()))?;
-        let file = self.archive.by_index(index).map_err(|e| corrupt(&e).at(place()))?;
+        let file = self.archive.by_index(entry).map_err(|e| corrupt(&e).at(place()))?;
         let mut bytes = Vec::new();
         self.allowance.read(file, &mut bytes, "a complete part in the ZIP archive").map_err(|e| e.at(place()))?;
         xml::decode(bytes, Encoding::Unicode).map_err(|e| e.at(place()))
     }
 
-    /// Returns the index of a part's entry, or `None`. Names of parts are compared without case.
-    fn find(&self, path: &str) -> Option<usize> {
-        let path = path.trim_start_matches('/');
-        self.archive.index_for_name(path).or_else(|| {
-            let mut names = self.archive.file_names();
-            names.position(|name| name.is_ok_and(|n| n.trim_start_matches('/').eq_ignore_ascii_case(path)))
-        })
+    /// Returns the entry of a part, or `None`. Names of parts are compared without case.
+    fn find(&self, path: &str) -> Option<Entry> {
+        let exact = self.archive.index_for_name(path.trim_start_matches('/'));
+        exact.or_else(|| self.by_name.get(&folded(path)).copied())
     }
+}
+
+/// Returns a name without slashes at its start, in lower case.
+fn folded(name: &str) -> String {
+    name.trim_start_matches('/').to_ascii_lowercase()
 }
 
 fn corrupt(error: &ZipError) -> LoadError {

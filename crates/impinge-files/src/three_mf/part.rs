@@ -30,6 +30,10 @@ const KNOWN_EXTENSIONS: [&str; 7] = [
     "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07",
 ];
 
+/// Maximum number of prefixes in `requiredextensions`. Real files require fewer than ten. Without a
+/// limit, a file could repeat a prefix any number of times.
+const MAX_REQUIRED: u64 = 1024;
+
 pub(super) struct Part {
     pub(super) unit: Unit,
     pub(super) objects: HashMap<u32, Object>,
@@ -49,8 +53,11 @@ pub(super) struct Object {
 
 /// A component or an item: an object, and the map that places it.
 pub(super) struct Reference {
-    /// Path of the part that contains the object; `None` for the same part.
+    /// Path of the part that contains the object, until it is replaced by the index; `None` for the
+    /// same part.
     pub(super) path: Option<Box<str>>,
+    /// Index of the part that contains the object; `None` for the same part.
+    pub(super) part: Option<usize>,
     pub(super) object: u32,
     pub(super) map: Affine,
 }
@@ -221,11 +228,17 @@ fn read_unit(model: &BytesStart<'_>) -> Result<Unit, LoadError> {
 
 fn check_extensions(model: &BytesStart<'_>) -> Result<(), LoadError> {
     let Some((_, prefixes)) = attributes(model).find(|(key, _)| *key == "requiredextensions") else { return Ok(()) };
+    let count = prefixes.split_whitespace().count() as u64;
+    if count > MAX_REQUIRED {
+        let kind = LoadErrorKind::TooMany { what: "required extensions", count, limit: MAX_REQUIRED };
+        return Err(LoadError::new(kind).with_hint("remove repeated prefixes from requiredextensions"));
+    }
+    let namespaces: HashMap<&str, _> =
+        attributes(model).filter_map(|(key, uri)| Some((key.strip_prefix("xmlns:")?, uri))).collect();
     for prefix in prefixes.split_whitespace() {
-        let namespace = attributes(model).find(|(key, _)| key.strip_prefix("xmlns:") == Some(prefix));
-        match namespace {
-            Some((_, uri)) if KNOWN_EXTENSIONS.contains(&uri.trim()) => {}
-            Some((_, uri)) => return Err(LoadError::unsupported(format!("3MF extension {}", uri.trim()))),
+        match namespaces.get(prefix) {
+            Some(uri) if KNOWN_EXTENSIONS.contains(&uri.trim()) => {}
+            Some(uri) => return Err(LoadError::unsupported(format!("3MF extension {}", uri.trim()))),
             None => return Err(LoadError::unsupported(format!("3MF extension {prefix:?}"))),
         }
     }
@@ -281,7 +294,7 @@ fn read_reference(element: &BytesStart<'_>) -> Result<Reference, LoadError> {
         }
     }
     match object {
-        Some(object) => Ok(Reference { path, object, map }),
+        Some(object) => Ok(Reference { path, part: None, object, map }),
         None => Err(LoadError::syntax("the objectid of an item or component", b"")),
     }
 }

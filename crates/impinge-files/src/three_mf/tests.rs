@@ -15,7 +15,7 @@ const RELATIONSHIPS: &str = r#"<?xml version="1.0"?><Relationships xmlns="http:/
 
 /// Reads a package from a file that is not compressed by gzip.
 fn read(bytes: &[u8]) -> Result<Model, LoadError> {
-    super::read(bytes, bytes.len() as u64)
+    super::read(bytes, bytes.len() as u64, &Limits::default())
 }
 
 fn package(entries: &[(&str, &str)]) -> Vec<u8> {
@@ -185,9 +185,9 @@ fn hostile_nesting_and_repetition_are_errors() {
         resources += &format!("<object id=\"{id}\"><components>{inner}{inner}</components></object>");
     }
     let text = error(&resources, "<item objectid=\"59\"/>");
-    assert!(text.contains("exceed the limit of 16777216"), "{text}");
+    assert!(text.contains("exceed the limit of 1048576"), "{text}");
     let text = error(&resources.replace(MESH, ""), "<item objectid=\"59\"/>");
-    assert!(text.contains("components are more than"), "{text}");
+    assert!(text.contains("components exceed the limit"), "{text}");
 
     let chain = |n: u32| -> String {
         let link =
@@ -206,5 +206,5 @@ fn hostile_nesting_and_repetition_are_errors() {
     let bytes = with_model(&bomb);
     assert!(bytes.len() < 100_000);
     let text = read(&bytes).unwrap_err().to_string();
-    assert!(text.contains("unpacked bytes are more than"), "{text}");
+    assert!(text.contains("unpacked bytes exceed the limit"), "{text}");
 }

@@ -109,10 +109,12 @@ impl Animation {
     /// match the keys.
     pub fn new(name: String, channels: Vec<Channel>, index: usize) -> Result<Self, RigError> {
         let (mut timelines, mut tracks, mut given) = (Vec::<Timeline>::new(), Vec::<Track>::new(), Vec::new());
+        // The timeline of each list of times. Adding zero makes both zeros equal.
+        let mut known = HashMap::<Vec<u64>, usize>::new();
         for (at, channel) in channels.into_iter().enumerate() {
             let Channel { target, interpolation, times, values } = validated(channel, index, at)?;
-            let known = timelines.iter().position(|known| known.times == times);
-            let timeline = known.unwrap_or_else(|| {
+            let key = times.iter().map(|time| (time + 0.0).to_bits()).collect();
+            let timeline = *known.entry(key).or_insert_with(|| {
                 timelines.push(Timeline::new(times));
                 timelines.len() - 1
             });
@@ -161,6 +163,11 @@ impl Animation {
         times.sort_by(f64::total_cmp);
         times.dedup();
         times
+    }
+
+    /// Returns the number of times and values of all keys.
+    pub(super) fn numbers(&self) -> usize {
+        self.timelines.iter().map(|timeline| timeline.times.len() + timeline.values.len()).sum()
     }
 
     pub(super) fn tracks(&self) -> &[Track] {

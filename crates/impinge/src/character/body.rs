@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::error::RigError;
-use super::fit::{self, HitPart, Mode, Piece, visit_positions};
+use super::fit::{self, HitPart, Mode, Piece};
 use super::frame::Frame;
 use super::plan::{PartPlan, Plan, bones_of_faces, sample_poses};
 use super::rig::Rig;
@@ -11,6 +11,7 @@ use super::rig_pose::RigPose;
 use super::samples::PartVertices;
 use super::skeleton::BoneSet;
 use super::skin_tree::SkinTree;
+use super::visit::visit_positions;
 use crate::math::vec3::length;
 
 /// The hit volumes of a rigged character: one for each part, fixed to a bone.
@@ -42,7 +43,9 @@ impl Character {
     ///
     /// # Errors
     /// Returns an error if the plan names bones that do not exist, the rig has no faces, a pose is
-    /// out of range, or the speed of an animation between two keys has no bound.
+    /// out of range, or the speed of an animation between two keys has no bound. Returns
+    /// [`TooMany`](super::RigErrorKind::TooMany) if a rig of this size has too many keys for its
+    /// vertices.
     ///
     /// # Accuracy
     /// Conservative volumes enclose each vertex at rest and at *every* time of every animation, by
@@ -54,7 +57,8 @@ impl Character {
     ///
     /// # Complexity
     /// Three passes over all samples and vertices. Fast animations have about ten samples per
-    /// second, and each key has one.
+    /// second, and each key has one or two. The work is limited to a multiple of the rig's size: if
+    /// it would be more, there are fewer samples between keys, and the volumes are larger.
     pub fn fit(rig: &Rig, plan: &Plan, mode: Mode) -> Result<Self, RigError> {
         let (parts, part_of_face) = fit::parts(rig, plan, mode)?;
         Ok(Self::new(rig, parts, part_of_face))

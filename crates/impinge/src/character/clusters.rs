@@ -14,6 +14,10 @@ use crate::volume::{BoundingVolume, fit};
 /// Number of poses used to find bones that move together.
 const POSES: usize = 48;
 
+/// Maximum number of bones with faces. The time for grouping grows with its square. Characters have
+/// at most a few hundred.
+const MAX_BONES: usize = 2048;
+
 /// Number of nearest other parts with which merging is tried. A bone rarely touches more bones than
 /// this.
 const MAX_NEIGHBORS: usize = 8;
@@ -27,7 +31,8 @@ impl Plan {
     /// to that of the two bones in whose frame the box is smaller.
     ///
     /// # Errors
-    /// Returns an error if the rig has no faces or an animation leaves the range of poses.
+    /// Returns an error if the rig has no faces, an animation leaves the range of poses, or more than
+    /// 2,048 bones have faces.
     ///
     /// # Complexity
     /// About a thousand boxes, each over 50 poses of a few vertices for each bone with faces.
@@ -86,6 +91,12 @@ impl Clusters {
         let mut vertices_of_bone = vec![Vec::new(); rig.skeleton().bones().len()];
         for (face, &bone) in rig.skin().faces().iter().zip(&bones) {
             vertices_of_bone[bone as usize].extend_from_slice(face);
+        }
+        let count = vertices_of_bone.iter().filter(|vertices| !vertices.is_empty()).count();
+        if count > MAX_BONES {
+            let (count, limit) = (count as u64, MAX_BONES as u64);
+            let kind = RigErrorKind::TooMany { what: "bones with faces", count, limit };
+            return Err(RigError::new(kind, RigPlace::Rig));
         }
         let mut clusters = Self { list: Vec::new(), places: Vec::new(), frames };
         let mut needed = vec![false; rest.len()];

@@ -60,6 +60,15 @@ pub enum RigErrorKind {
     },
     /// There is nothing to bound, because there are no faces or no parts.
     Empty,
+    /// A count exceeds the limit for a rig of this size.
+    TooMany {
+        /// Kind of the counted things.
+        what: &'static str,
+        /// The actual number.
+        count: u64,
+        /// The maximum number.
+        limit: u64,
+    },
     /// The speed of a motion between two keys has no bound, so nothing can be proved about it.
     UnboundedMotion,
 }
@@ -136,6 +145,9 @@ impl fmt::Display for RigErrorKind {
             }
             Self::OtherCount { what, count, expected } => write!(f, "has {count} {what}, but {expected} are needed"),
             Self::Empty => write!(f, "nothing to bound: at least one face and one part are needed"),
+            Self::TooMany { what, count, limit } => {
+                write!(f, "has {count} {what}, but at most {limit} are possible: remove keys, or simplify the mesh")
+            }
             Self::UnboundedMotion => {
                 write!(f, "the speed between two keys has no bound, as when a spline of rotations nears zero: add keys")
             }

@@ -14,8 +14,7 @@ use super::plan::{Plan, bones_of_faces, sample_poses};
 use super::rig::Rig;
 use super::rig_pose::RigPose;
 use super::samples::{PartVertices, Sample, Samples, rounding};
-use super::skin::blended;
-use super::transform::{Matrix, apply_transposed, matrix, times};
+use super::visit::visit_positions;
 use super::volume::{HitHull, HitVolume, VolumeKind, box_of};
 use crate::math::vec3::{Vector, add, dot, length, scale, sub};
 
@@ -77,9 +76,11 @@ pub(super) fn parts(rig: &Rig, plan: &Plan, mode: Mode) -> Result<(Vec<HitPart>,
         return Err(RigError::new(RigErrorKind::Empty, RigPlace::Rig));
     }
     let mut number = vec![u32::MAX; plan.parts.len()];
+    let mut has_faces = vec![false; plan.parts.len()];
+    part_of_face.iter().for_each(|&part| has_faces[part as usize] = true);
     let mut kept = Vec::new();
     for (part, planned) in plan.parts.iter().enumerate() {
-        if part_of_face.contains(&(part as u32)) {
+        if has_faces[part] {
             number[part] = kept.len() as u32;
             kept.push(planned);
         }
@@ -175,34 +176,6 @@ fn remove_coincident(rig: &Rig, vertices: &mut Vec<u32>) {
         let influences = skin.influences(vertex).iter().map(|i| (i.joint, i.weight.to_bits()));
         seen.insert((skin.positions()[vertex as usize].map(f64::to_bits), influences.collect::<Vec<_>>()))
     });
-}
-
-/// Calls `show` with the part, the vertex and its position in the frame of its part, for all
-/// vertices of the parts.
-pub(super) fn visit_positions(
-    rig: &Rig,
-    pose: &RigPose,
-    held: &[PartVertices],
-    mut show: impl FnMut(usize, u32, Vector),
-) {
-    let palette = rig.skin().palette(pose.bones());
-    let mut morphed = Vec::new();
-    rig.skin().morphed(pose.morph_weights(), &mut morphed);
-    for (at, part) in held.iter().enumerate() {
-        let bone = &pose.bones()[part.anchor as usize];
-        let local = local_palette(&palette, &matrix(bone.rotation_wxyz), bone.origin());
-        for &vertex in &part.vertices {
-            show(at, vertex, blended(&local, rig.skin().influences(vertex), morphed[vertex as usize]));
-        }
-    }
-}
-
-fn local_palette(palette: &[(Matrix, Vector)], rotation: &Matrix, origin: Vector) -> Vec<(Matrix, Vector)> {
-    let transposed = [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation[j][i]));
-    let local = |(linear, offset): &(Matrix, Vector)| {
-        (times(&transposed, linear), apply_transposed(rotation, sub(offset, &origin)))
-    };
-    palette.iter().map(local).collect()
 }
 
 /// Fits volumes that enclose every vertex of a part at every time.

@@ -38,8 +38,10 @@ mod surface;
 mod surface_rays;
 mod timeline;
 mod transform;
+mod visit;
 mod volume;
 mod volume_pair;
+mod work;
 
 pub use animation::{Animation, Channel, Interpolation, Target};
 pub use body::{Character, Leak};

@@ -46,8 +46,13 @@ impl Plan {
             }
             plan.bones.iter().for_each(|&bone| listed[bone as usize] = Some(part));
         }
-        let found = |bone: u32| rig.skeleton().ancestry(bone).find_map(|above| listed[above as usize]).unwrap_or(0);
-        Ok((0..len as u32).map(found).collect())
+        let mut found = vec![0; len];
+        for &bone in rig.skeleton().order() {
+            let parent = rig.skeleton().bones()[bone as usize].parent;
+            let inherited = parent.map_or(0, |parent| found[parent as usize]);
+            found[bone as usize] = listed[bone as usize].unwrap_or(inherited);
+        }
+        Ok(found)
     }
 }
 

@@ -5,7 +5,9 @@ use super::error::{RigError, RigErrorKind, RigPlace};
 use super::motion_bound::{IntervalMotion, Jet, mapped};
 use super::rig::Rig;
 use super::rig_pose::RigPose;
+use super::skin_tree::offsets_by_vertex;
 use super::timeline::Side;
+use super::work::Work;
 use crate::math::vec3::{Vector, length};
 
 /// Maximum stray between samples, as a share of the character's size. Intervals between keys are
@@ -14,7 +16,8 @@ use crate::math::vec3::{Vector, length};
 const MAX_STRAY: f64 = 1.0 / 512.0;
 
 /// Maximum number of halvings of an interval. The stray that remains is added to the volumes. More
-/// halvings cost time, fewer make the volumes larger.
+/// halvings cost time, fewer make the volumes larger. Intervals are halved less often if the work
+/// for the rig is nearly spent.
 const MAX_HALVINGS: u32 = 5;
 
 /// Maximum number of halvings if there is no bound at all. Splines of quaternions that come near
@@ -53,14 +56,26 @@ pub(super) struct Samples {
 
 impl Samples {
     /// Samples the rest pose and all animations.
+    ///
+    /// # Errors
+    /// Returns an error if a pose is out of range, if the speed of a motion has no bound, or if
+    /// there are too many keys and vertices for the [`Work`] of this rig.
     pub(super) fn of(rig: &Rig, parts: &[PartVertices]) -> Result<Self, RigError> {
         let rest = Sample { motion: None };
         let mut samples = Self { list: vec![rest], stray: vec![0.0; parts.len()] };
         let limit = MAX_STRAY * size(rig)?;
-        let spans: Vec<Vec<JointSpan>> = parts.iter().map(|part| joint_spans(rig, part)).collect();
-        for (index, animation) in rig.animations().iter().enumerate() {
-            let times = animation.key_times();
+        let spans = joint_spans(rig, parts);
+        let times_of: Vec<Vec<f64>> = rig.animations().iter().map(|animation| animation.key_times()).collect();
+        let of_interval = steps(rig, parts, &spans);
+        let mut work = Work::for_rig(rig);
+        for (animation, times) in rig.animations().iter().zip(&times_of) {
+            // One more for each key, because both sides of a jump are sampled.
+            work.take((of_interval + animation.tracks().len() as u64).saturating_mul(2 * times.len() as u64))?;
+        }
+        let mut of_joint = vec![0.0; rig.skin().joints().len()];
+        for (index, (animation, times)) in rig.animations().iter().zip(&times_of).enumerate() {
             let Some(&last) = times.last() else { continue };
+            let of_halving = of_interval + animation.tracks().len() as u64;
             for pair in times.windows(2) {
                 // Last in, first out: the earlier half is on top.
                 let mut pending = vec![([pair[0], pair[1]], 0)];
@@ -70,17 +85,22 @@ impl Samples {
                     let strays: Vec<f64> = parts
                         .iter()
                         .zip(&spans)
-                        .map(|(part, spans)| h * h / 8.0 * acceleration(rig, part, spans, &motion))
+                        .map(|(part, spans)| h * h / 8.0 * acceleration(rig, part, spans, &motion, &mut of_joint))
                         .collect();
                     let most = strays.iter().copied().fold(0.0, f64::max);
                     let middle = 0.5 * start + 0.5 * end;
                     let max_halvings = if most.is_finite() { MAX_HALVINGS } else { MAX_HALVINGS_UNBOUNDED };
-                    if most > limit && depth < max_halvings && start < middle && middle < end {
+                    let is_divisible = depth < max_halvings && start < middle && middle < end;
+                    if most > limit && is_divisible && work.has(of_halving) {
+                        work.take(of_halving)?;
                         pending.push(([middle, end], depth + 1));
                         pending.push(([start, middle], depth + 1));
                         continue;
                     }
                     if !most.is_finite() {
+                        if is_divisible {
+                            work.take(of_halving)?;
+                        }
                         let place = RigPlace::Channel { animation: index, channel: 0 };
                         return Err(RigError::new(RigErrorKind::UnboundedMotion, place));
                     }
@@ -114,43 +134,67 @@ struct JointSpan {
     morphs: Vec<(usize, f64)>,
 }
 
-fn joint_spans(rig: &Rig, part: &PartVertices) -> Vec<JointSpan> {
+/// Returns the number of steps of [`Work`] for one interval and its sample.
+fn steps(rig: &Rig, parts: &[PartVertices], spans: &[Vec<JointSpan>]) -> u64 {
+    let (skin, skeleton) = (rig.skin(), rig.skeleton());
+    let offsets: usize = skin.morphs().iter().map(|morph| morph.offsets.len()).sum();
+    let influences =
+        |part: &PartVertices| -> usize { part.vertices.iter().map(|&vertex| skin.influences(vertex).len()).sum() };
+    let paths = |(part, spans): (&PartVertices, &Vec<JointSpan>)| -> u64 {
+        let depth = |span: &JointSpan| u64::from(skeleton.depth(skin.joints()[span.joint as usize].bone));
+        spans.iter().map(|span| depth(span) + u64::from(skeleton.depth(part.anchor))).sum()
+    };
+    let held: usize = parts.iter().map(|part| part.vertices.len()).sum();
+    // Copying a vertex, moving it by a morph target or following a joint takes about an eighth of a
+    // step.
+    let eighths = skin.positions().len() + offsets + parts.iter().map(influences).sum::<usize>();
+    let of_pose = skeleton.bones().len() + skin.joints().len() + held + eighths / 8;
+    of_pose as u64 + parts.iter().zip(spans).map(paths).sum::<u64>()
+}
+
+/// Returns the joints that the vertices of each part follow.
+fn joint_spans(rig: &Rig, parts: &[PartVertices]) -> Vec<Vec<JointSpan>> {
     let skin = rig.skin();
-    let mut spans: Vec<JointSpan> = Vec::new();
+    let (offsets, first) = offsets_by_vertex(skin);
     let mut of_joint = vec![None; skin.joints().len()];
-    let mut is_held = vec![false; skin.positions().len()];
-    for &vertex in &part.vertices {
-        is_held[vertex as usize] = true;
-        for influence in skin.influences(vertex) {
-            let at = *of_joint[influence.joint as usize].get_or_insert_with(|| {
-                spans.push(JointSpan { joint: influence.joint, reach: 0.0, morphs: Vec::new() });
-                spans.len() - 1
-            });
-            let bind = &skin.joints()[influence.joint as usize].inverse_bind;
-            spans[at].reach = spans[at].reach.max(length(&mapped(bind, skin.positions()[vertex as usize])));
-        }
-    }
-    for (morph, target) in skin.morphs().iter().enumerate() {
-        for &(vertex, offset) in target.offsets.iter().filter(|(vertex, _)| is_held[*vertex as usize]) {
+    let of_part = |part: &PartVertices| {
+        let mut spans: Vec<JointSpan> = Vec::new();
+        // For each span that a morph target moves: the span, the target, and the length.
+        let mut moves: Vec<(usize, u32, f64)> = Vec::new();
+        for &vertex in &part.vertices {
+            let offsets = &offsets[first[vertex as usize] as usize..first[vertex as usize + 1] as usize];
             for influence in skin.influences(vertex) {
-                let Some(at) = of_joint[influence.joint as usize] else { continue };
+                let at = *of_joint[influence.joint as usize].get_or_insert_with(|| {
+                    spans.push(JointSpan { joint: influence.joint, reach: 0.0, morphs: Vec::new() });
+                    spans.len() - 1
+                });
                 let bind = &skin.joints()[influence.joint as usize].inverse_bind;
-                let moved = length(&bind.map(|[x, y, z, _]| x * offset[0] + y * offset[1] + z * offset[2]));
-                let span: &mut JointSpan = &mut spans[at];
-                match span.morphs.last_mut().filter(|last| last.0 == morph) {
-                    Some(last) => last.1 = last.1.max(moved),
-                    None => span.morphs.push((morph, moved)),
-                }
+                spans[at].reach = spans[at].reach.max(length(&mapped(bind, skin.positions()[vertex as usize])));
+                let moved = |o: Vector| length(&bind.map(|[x, y, z, _]| x * o[0] + y * o[1] + z * o[2]));
+                moves.extend(offsets.iter().map(|&(morph, offset)| (at, morph, moved(offset))));
             }
         }
-    }
-    spans
+        moves.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)));
+        for group in moves.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let longest = group.iter().map(|own| own.2).fold(0.0, f64::max);
+            spans[group[0].0].morphs.push((group[0].1 as usize, longest));
+        }
+        spans.iter().for_each(|span| of_joint[span.joint as usize] = None);
+        spans
+    };
+    parts.iter().map(of_part).collect()
 }
 
 /// Returns a bound on the largest second derivative of a vertex of a part, as seen from the part.
-fn acceleration(rig: &Rig, part: &PartVertices, spans: &[JointSpan], motion: &IntervalMotion<'_>) -> f64 {
+/// `of_joint` has an entry for each joint, of any value.
+fn acceleration(
+    rig: &Rig,
+    part: &PartVertices,
+    spans: &[JointSpan],
+    motion: &IntervalMotion<'_>,
+    of_joint: &mut [f64],
+) -> f64 {
     let skin = rig.skin();
-    let mut of_joint = vec![0.0; skin.joints().len()];
     for span in spans {
         let mut point = Jet { value: span.reach, ..Jet::default() };
         for &(morph, offset) in &span.morphs {
@@ -180,17 +224,19 @@ pub(super) fn rounding(rig: &Rig, pose: &RigPose) -> f64 {
         weights.iter().enumerate().filter(|w| *w.1 != 0.0).map(|(at, weight)| weight.abs() * longest(at)).sum()
     };
     let farthest = farthest + offset(pose.morph_weights());
+    // For each bone, the largest distance of its origin and those of its ancestors.
+    let mut along = vec![0.0_f64; pose.bones().len()];
+    for &bone in rig.skeleton().order() {
+        let above = rig.skeleton().bones()[bone as usize].parent.map_or(0.0, |parent| along[parent as usize]);
+        along[bone as usize] = above.max(length(&pose.bones()[bone as usize].origin()));
+    }
     let mut worst = 0.0_f64;
     for joint in rig.skin().joints() {
         let bone = &pose.bones()[joint.bone as usize];
         let bind: Vector = joint.inverse_bind.map(|[.., t]| t);
         let linear = joint.inverse_bind.map(|[x, y, z, _]| [x, y, z]);
-        let along: f64 = rig
-            .skeleton()
-            .ancestry(joint.bone)
-            .map(|above| length(&pose.bones()[above as usize].origin()))
-            .fold(0.0, f64::max);
-        let reach = norm(&bone.linear()) * (norm(&linear) * farthest + length(&bind)) + 2.0 * along;
+        let reach =
+            norm(&bone.linear()) * (norm(&linear) * farthest + length(&bind)) + 2.0 * along[joint.bone as usize];
         let depth = f64::from(rig.skeleton().depth(joint.bone));
         worst = worst.max((depth + 4.0) * 32.0 * f64::EPSILON * reach);
     }

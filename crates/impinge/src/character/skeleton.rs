@@ -71,9 +71,19 @@ impl Skeleton {
     pub fn bone_set(&self, bones: impl IntoIterator<Item = u32>) -> BoneSet {
         let mut is_in = vec![false; self.bones.len()];
         for bone in bones.into_iter().filter(|&bone| (bone as usize) < self.bones.len()) {
-            self.ancestry(bone).for_each(|above| is_in[above as usize] = true);
+            // The ancestors of a bone in the set are in the set too.
+            for above in self.ancestry(bone) {
+                if std::mem::replace(&mut is_in[above as usize], true) {
+                    break;
+                }
+            }
         }
         BoneSet { order: self.order.iter().copied().filter(|&bone| is_in[bone as usize]).collect(), is_in }
+    }
+
+    /// Returns all bones, parents before children.
+    pub(super) fn order(&self) -> &[u32] {
+        &self.order
     }
 
     /// Returns the number of ancestors of a bone, including itself.

@@ -154,6 +154,11 @@ impl Skin {
         &self.influences[self.first[at] as usize..self.first[at + 1] as usize]
     }
 
+    /// Returns the number of influences of all vertices.
+    pub(super) fn influence_count(&self) -> usize {
+        self.influences.len()
+    }
+
     /// Returns the morph targets.
     #[must_use]
     pub fn morphs(&self) -> &[Morph] {

@@ -314,7 +314,7 @@ impl SkinTree {
 }
 
 /// Returns the morph offsets sorted by vertex, and the start of each vertex's offsets.
-fn offsets_by_vertex(skin: &Skin) -> (Vec<(u32, Vector)>, Vec<u32>) {
+pub(super) fn offsets_by_vertex(skin: &Skin) -> (Vec<(u32, Vector)>, Vec<u32>) {
     let mut all: Vec<(u32, u32, Vector)> = Vec::new();
     for (morph, target) in (0..).zip(skin.morphs()) {
         all.extend(target.offsets.iter().map(|&(vertex, offset)| (vertex, morph, offset)));

@@ -27,7 +27,7 @@ use super::{
 use crate::{
     error::{LoadError, LoadErrorKind, Place},
     format::Format,
-    instance::Budget,
+    limits::{Budget, Limits},
     model::{Faces, WarningKind},
     text::name,
 };
@@ -48,7 +48,8 @@ pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Resul
         let error = LoadErrorKind::Syntax { expected: "a rigged glTF document".into(), found: e.to_string() };
         LoadError::new(error).at(Place::Entry(format!("line {} column {}", e.line(), e.column())))
     })?;
-    let buffers = Buffers::load(&document.buffers, chunk, folder)?;
+    let limits = Limits::default();
+    let buffers = Buffers::load(&document.buffers, chunk, folder, &limits)?;
     let source = Source { document: &document, buffers: &buffers, json_len: json.len() as u64 };
     let len = bytes.len() as u64 + buffers.total_len();
     let instances = scene::instances(&document, &mut warnings, Budget::for_nodes(len))?;
@@ -60,7 +61,7 @@ pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Resul
             None => error,
         });
     }
-    let budget = Budget::for_bytes(len);
+    let budget = Budget::for_bytes(len, &limits);
     let mut reader = RigReader::new(source, &extra, budget);
     for instance in &instances {
         reader.instance(instance)?;
@@ -73,6 +74,23 @@ struct JointRange {
     skin: Option<u32>,
     node: Option<u32>,
     first: u32,
+}
+
+/// Numbers of entries of a mesh.
+#[derive(Clone, Copy)]
+struct MeshEntries {
+    /// Number of its morph targets: the maximum over its primitives.
+    targets: usize,
+    /// Number of its primitives and their morph targets.
+    entries: u64,
+}
+
+impl MeshEntries {
+    fn of(mesh: &RigMesh) -> Self {
+        let targets = mesh.primitives.iter().map(|primitive| primitive.targets.len());
+        let entries = targets.clone().map(|count| 1 + count as u64).sum();
+        Self { targets: targets.max().unwrap_or(0), entries }
+    }
 }
 
 /// The first vertex of a primitive and its place in the file, for errors.
@@ -90,9 +108,14 @@ struct RigReader<'a> {
     positions: Vec<[f64; 3]>,
     influences: Vec<Vec<Influence>>,
     joints: Vec<Joint>,
+    /// The ranges in `joints`, by their first joint.
     joint_ranges: Vec<JointRange>,
+    /// For each skin, its first joint; `None` if no mesh followed it so far.
+    first_joint_of_skin: Vec<Option<u32>>,
     vertex_ranges: Vec<VertexRange>,
     morphs: Vec<Morph>,
+    /// For each mesh, the numbers of its entries.
+    entries: Vec<MeshEntries>,
     /// For each node, the first morph target of its mesh; `None` if there is none.
     morphs_of_node: Vec<Option<u32>>,
 }
@@ -108,8 +131,10 @@ impl<'a> RigReader<'a> {
             influences: Vec::new(),
             joints: Vec::new(),
             joint_ranges: Vec::new(),
+            first_joint_of_skin: vec![None; extra.skins.len()],
             vertex_ranges: Vec::new(),
             morphs: Vec::new(),
+            entries: extra.meshes.iter().map(MeshEntries::of).collect(),
             morphs_of_node: vec![None; source.document.nodes.len()],
         }
     }
@@ -138,8 +163,8 @@ impl<'a> RigReader<'a> {
         };
         let extra = &self.extra.meshes[instance.mesh];
         let first_morph = self.morphs.len();
-        let targets = targets_of(extra);
-        self.count("morph targets", targets as u64)?;
+        let MeshEntries { targets, entries } = self.entries[instance.mesh];
+        self.count("primitives and morph targets", entries)?;
         let own = instance.node.and_then(|i| self.extra.nodes[i].weights.as_ref()).or(extra.weights.as_ref());
         let weight = |at: usize| own.and_then(|weights| weights.get(at)).copied().unwrap_or(0.0);
         self.morphs.extend((0..targets).map(|at| Morph { weight: weight(at), offsets: Vec::new() }));
@@ -149,7 +174,7 @@ impl<'a> RigReader<'a> {
         for (primitive, rigged) in mesh.primitives.iter().zip(&extra.primitives) {
             let mode = primitive.mode.unwrap_or(4);
             let Some(accessor) = primitive.attributes.position.filter(|_| mode >= 4) else { continue };
-            self.count("vertices", self.reader.source.count(accessor)?)?;
+            self.count("vertices", self.reader.source.decoded(accessor)?)?;
             // Draco leaves accessors without data, so all vertices would be at the origin.
             if primitive.extensions.draco.is_some() {
                 return Err(super::extensions::lacking("KHR_draco_mesh_compression"));
@@ -162,7 +187,7 @@ impl<'a> RigReader<'a> {
             self.targets(rigged, first, len, first_morph)?;
             let corners = match primitive.indices {
                 Some(indices) => {
-                    self.count("corners of triangles", self.reader.source.count(indices)?)?;
+                    self.count("corners of triangles", self.reader.source.decoded(indices)?)?;
                     self.reader.source.indices(indices, len)?
                 }
                 None => (0..len as u32).collect(),
@@ -174,8 +199,8 @@ impl<'a> RigReader<'a> {
 
     /// Adds the joints of a skin, once for all meshes that follow it. Returns the first joint.
     fn joints_of_skin(&mut self, skin: u32) -> Result<u32, LoadError> {
-        if let Some(known) = self.joint_ranges.iter().find(|range| range.skin == Some(skin)) {
-            return Ok(known.first);
+        if let Some(&Some(known)) = self.first_joint_of_skin.get(skin as usize) {
+            return Ok(known);
         }
         let entry = self.extra.skins.get(skin as usize).ok_or_else(|| missing("skin", skin))?;
         let nodes = self.document().nodes.len();
@@ -186,7 +211,7 @@ impl<'a> RigReader<'a> {
         self.count("joints", count as u64)?;
         let binds = match entry.inverse_bind_matrices {
             Some(accessor) => {
-                self.count("inverse bind matrices", self.reader.source.count(accessor)?)?;
+                self.count("inverse bind matrices", self.reader.source.decoded(accessor)?)?;
                 let matrices = self.reader.source.numbers::<16>(accessor, "MAT4", &[F32])?;
                 if matrices.len() < count {
                     let found = matrices.len() as u64;
@@ -197,6 +222,7 @@ impl<'a> RigReader<'a> {
             None => vec![IDENTITY; count],
         };
         let first = self.joints.len() as u32;
+        self.first_joint_of_skin[skin as usize] = Some(first);
         self.joint_ranges.push(JointRange { skin: Some(skin), node: None, first });
         self.joints.extend(entry.joints.iter().zip(binds).map(|(&bone, inverse_bind)| Joint { bone, inverse_bind }));
         Ok(first)
@@ -226,7 +252,9 @@ impl<'a> RigReader<'a> {
             if set == 0 {
                 place = format!("accessor {weights}");
             }
-            self.count("weights", self.reader.source.count(joints)?.saturating_mul(4))?;
+            for accessor in [joints, weights] {
+                self.count("weights", self.reader.source.decoded(accessor)?.saturating_mul(4))?;
+            }
             let names = self.reader.source.numbers::<4>(joints, "VEC4", &[U8, U16])?;
             let shares = self.reader.source.numbers::<4>(weights, "VEC4", &[F32, U8, U16])?;
             for (accessor, found) in [(joints, names.len()), (weights, shares.len())] {
@@ -245,8 +273,8 @@ impl<'a> RigReader<'a> {
         }
         self.vertex_ranges.push(VertexRange { first, place });
         let joints = self.joints.len() as u32;
-        let end = self.joint_ranges.iter().map(|range| range.first).filter(|&other| other > joint).min();
-        let end = end.unwrap_or(joints);
+        let after = self.joint_ranges.partition_point(|range| range.first <= joint);
+        let end = self.joint_ranges.get(after).map_or(joints, |range| range.first);
         let beyond = |influence: &Influence| influence.joint >= end;
         match self.influences[first..].iter().position(|list| list.iter().any(beyond)) {
             None => Ok(()),
@@ -262,7 +290,7 @@ impl<'a> RigReader<'a> {
     fn targets(&mut self, primitive: &RigPrimitive, first: usize, len: usize, morph: usize) -> Result<(), LoadError> {
         for (at, target) in primitive.targets.iter().enumerate() {
             let Some(accessor) = target.position else { continue };
-            self.count("offsets of morph targets", self.reader.source.count(accessor)?)?;
+            self.count("offsets of morph targets", self.reader.source.decoded(accessor)?)?;
             let offsets = self.reader.source.numbers::<3>(accessor, "VEC3", &[F32, I8, I16, U8, U16])?;
             if offsets.len() < len {
                 let error = LoadError::truncated("offsets", len as u64, offsets.len() as u64);
@@ -392,9 +420,4 @@ fn quaternion([x, y, z]: &[[f64; 3]; 3]) -> [f64; 4] {
     ];
     let size = |i: usize| candidates[i][i];
     candidates[(0..4).max_by(|&i, &j| size(i).total_cmp(&size(j))).unwrap_or(0)]
-}
-
-/// Returns the number of morph targets of a mesh: the maximum over its primitives.
-fn targets_of(mesh: &RigMesh) -> usize {
-    mesh.primitives.iter().map(|primitive| primitive.targets.len()).max().unwrap_or(0)
 }

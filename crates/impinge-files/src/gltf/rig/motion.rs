@@ -3,7 +3,7 @@
 use impinge::character::{Animation, Channel, Interpolation, RigError, RigErrorKind, RigPlace, Target};
 
 use super::document::{ChannelEntry, SamplerEntry};
-use super::{F32, I8, I16, RigReader, U8, U16, broken, missing, name, targets_of};
+use super::{F32, I8, I16, RigReader, U8, U16, broken, missing, name};
 use crate::error::{LoadError, Place};
 
 /// Returns all animations.
@@ -74,7 +74,7 @@ fn read_channel(
         Some(other) => return Err(LoadError::syntax("LINEAR, STEP or CUBICSPLINE", other.as_bytes())),
     };
     let source = reader.reader.source;
-    let (keys, numbers) = (source.count(sampler.input)?, source.count(sampler.output)?);
+    let (keys, numbers) = (source.decoded(sampler.input)?, source.decoded(sampler.output)?);
     reader.count("keys of animations", keys.saturating_add(numbers))?;
     let times: Vec<f64> = source.numbers::<1>(sampler.input, "SCALAR", &[F32])?.into_iter().map(|[t]| t).collect();
     let values = |shape| (sampler.output, shape, [F32, I8, U8, I16, U16]);
@@ -87,7 +87,7 @@ fn read_channel(
         Target::MorphWeight(first) => {
             let (accessor, shape, types) = values("SCALAR");
             let flat = source.numbers::<1>(accessor, shape, &types)?.into_iter().map(|[x]| x).collect();
-            let count = found.mesh.and_then(|mesh| reader.extra.meshes.get(mesh as usize)).map_or(0, targets_of);
+            let count = found.mesh.and_then(|mesh| reader.entries.get(mesh as usize)).map_or(0, |mesh| mesh.targets);
             return Ok(split(first, count, interpolation, &times, flat));
         }
         _ => {

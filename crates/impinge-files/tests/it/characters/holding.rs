@@ -32,7 +32,7 @@ fn outside(volume: &HitVolume, point: [f64; 3]) -> f64 {
 /// Asserts that every vertex of every part is inside its volume: at rest, at every other key of all
 /// animations, just before the next key, and at a random time between them. Returns the number of
 /// checks, and the least distance of a vertex from the border.
-fn assert_all_are_contained(rig: &Rig, character: &Character, random: &mut Random) -> (u64, f64) {
+pub(super) fn assert_all_are_contained(rig: &Rig, character: &Character, random: &mut Random) -> (u64, f64) {
     let mut belongs = vec![vec![false; rig.skin().positions().len()]; character.parts().len()];
     for (face, &part) in rig.skin().faces().iter().zip(character.part_of_face()) {
         face.iter().for_each(|&corner| belongs[part as usize][corner as usize] = true);

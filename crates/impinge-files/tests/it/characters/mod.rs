@@ -1,6 +1,7 @@
 //! Tests of hit volumes of a real character: containment, rays, strikes, and saving.
 
 mod holding;
+mod many_keys;
 mod rays;
 mod saving;
 mod strikes;

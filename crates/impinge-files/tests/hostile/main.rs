@@ -3,6 +3,8 @@
 //!
 //! There is only one test, because it measures the memory of the whole process.
 
+mod repetition;
+
 use std::io::Write;
 
 use impinge_files::{Format, parse, write_ply};
@@ -93,9 +95,13 @@ fn glb() -> Vec<u8> {
     let json = GLTF.replace(r#","uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAEC""#, "");
     let mut binary = [0_f32, 0., 0., 1., 0., 0., 0., 1., 0.].iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>();
     binary.extend([0, 1, 2]);
+    glb_of(&json, &binary)
+}
+
+fn glb_of(json: &str, binary: &[u8]) -> Vec<u8> {
     let mut bytes = b"glTF\x02\0\0\0".to_vec();
     bytes.extend((28 + json.len() as u32 + binary.len() as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", json.as_bytes()), (b"BIN\0", &binary)] {
+    for (kind, chunk) in [(b"JSON", json.as_bytes()), (b"BIN\0", binary)] {
         bytes.extend((chunk.len() as u32).to_le_bytes());
         bytes.extend(kind);
         bytes.extend(chunk);
@@ -104,9 +110,15 @@ fn glb() -> Vec<u8> {
 }
 
 fn package(model: &[u8]) -> Vec<u8> {
+    package_of(&[("3D/3dmodel.model", model)])
+}
+
+fn package_of<T: AsRef<[u8]>>(entries: &[(&str, T)]) -> Vec<u8> {
     let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
-    zip.start_file("3D/3dmodel.model", zip::write::SimpleFileOptions::default()).unwrap();
-    zip.write_all(model).unwrap();
+    for (name, content) in entries {
+        zip.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
+        zip.write_all(content.as_ref()).unwrap();
+    }
     zip.finish().unwrap().into_inner()
 }
 
@@ -234,6 +246,8 @@ fn invalid_files_are_errors_and_take_little_memory() {
         }
     }
     dense_files();
+    repetition::repeated_content_is_counted_before_it_is_read();
+    repetition::names_and_references_are_looked_up_once();
 }
 
 /// Tests short texts that take as much memory per byte as possible.
