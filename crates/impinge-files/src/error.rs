@@ -201,9 +201,9 @@ impl LoadError {
 }
 
 impl LoadErrorKind {
-    /// Returns a short stable name: `io`, `not-a-file`, `unsupported-format`, `unsupported-feature`,
-    /// `empty`, `wrong-content`, `truncated`, `syntax`, `non-finite`, `index-out-of-bounds`,
-    /// `too-many`, `corrupt`, `broken-rig` or `outside-folder`.
+    /// Returns a short stable name: `io`, `not-a-file`, `unsupported-format`,
+    /// `unsupported-feature`, `empty`, `wrong-content`, `truncated`, `syntax`, `non-finite`,
+    /// `index-out-of-bounds`, `too-many`, `corrupt`, `broken-rig` or `outside-folder`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {

@@ -144,8 +144,8 @@ fn part_name<'a>(document: &'a Document, instance: &Instance) -> &'a str {
     own.or(document.meshes[instance.mesh].name.as_deref()).unwrap_or_default()
 }
 
-/// Returns the numbers of vertices, corners, primitives and sparse elements of a mesh. Vertices that
-/// several primitives share count once, because they are decoded once.
+/// Returns the numbers of vertices, corners, primitives and sparse elements of a mesh. Vertices
+/// that several primitives share count once, because they are decoded once.
 fn mesh_counts(source: &Source<'_>, mesh: &Mesh) -> Result<[u64; 4], LoadError> {
     let mut seen = HashSet::new();
     let mut counts = [0_u64, 0, mesh.primitives.len() as u64, 0];

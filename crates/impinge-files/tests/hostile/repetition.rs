@@ -1,6 +1,6 @@
-//! Files that repeat their content: by instances, by references, or by names. Each file comes in two
-//! sizes. Memory stays within the same multiple of the size, because the content is counted before
-//! it is read.
+//! Files that repeat their content: by instances, by references, or by names. Each file comes in
+//! two sizes. Memory stays within the same multiple of the size, because the content is counted
+//! before it is read.
 
 use std::fs;
 

@@ -1,5 +1,5 @@
-//! Tests of paths that are not regular files. They are refused before they are opened, because a pipe
-//! without a writer, or a device without an end, would keep the reader forever.
+//! Tests of paths that are not regular files. They are refused before they are opened, because a
+//! pipe without a writer, or a device without an end, would keep the reader forever.
 #![cfg(unix)]
 
 use std::{fs, io, os::unix::net::UnixListener, path::Path, process::Command};

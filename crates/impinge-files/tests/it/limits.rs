@@ -1,5 +1,5 @@
-//! Tests of the limits that a caller sets: every format respects them, and the errors name the limit,
-//! the place and the remedy.
+//! Tests of the limits that a caller sets: every format respects them, and the errors name the
+//! limit, the place and the remedy.
 
 use std::{fs, io::Write};
 

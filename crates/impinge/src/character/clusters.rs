@@ -31,8 +31,8 @@ impl Plan {
     /// to that of the two bones in whose frame the box is smaller.
     ///
     /// # Errors
-    /// Returns an error if the rig has no faces, an animation leaves the range of poses, or more than
-    /// 2,048 bones have faces.
+    /// Returns an error if the rig has no faces, an animation leaves the range of poses, or more
+    /// than 2,048 bones have faces.
     ///
     /// # Complexity
     /// About a thousand boxes, each over 50 poses of a few vertices for each bone with faces.

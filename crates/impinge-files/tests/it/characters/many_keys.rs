@@ -1,4 +1,4 @@
-//! Tests of rigs with so many keys and vertices that following them takes a limited amount of work.
+//! Rigs with very many keys and vertices: the work of following their animations is limited.
 
 use impinge::character::{
     Animation, Bone, Channel, Character, Influence, Interpolation, Joint, Mode, Plan, Rig, RigError, RigErrorKind,

@@ -116,11 +116,11 @@ fn descend(
             let mut stack = vec![task];
             let mut expanded = 0_usize;
             while let Some(task) = stack.pop() {
-                worker.expand(task, &mut stack);
-                expanded += 1;
                 if expanded.is_multiple_of(TASKS_PER_INTERRUPT_CHECK) && interrupt.is_wanted() {
                     break;
                 }
+                worker.expand(task, &mut stack);
+                expanded += 1;
                 let more = std::mem::take(&mut worker.decided);
                 if decided.fetch_add(more, Ordering::Relaxed) > max_decided {
                     return None;

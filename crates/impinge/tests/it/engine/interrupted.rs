@@ -73,9 +73,10 @@ fn interrupted_questions_about_solids_are_undecided() {
 /// A pile of faces in one place, of which each intersects each other one.
 #[test]
 fn an_interrupted_search_for_self_intersections_ends_soon() {
-    let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.25, 0.25, -1.0], [0.25, 0.25, 1.0]];
-    let faces: Vec<[u32; 3]> = (0..3000).map(|i| if i % 2 == 0 { [0, 1, 2] } else { [3, 4, 1] }).collect();
-    let pile = Mesh::new(Positions::F64(corners), faces).expect("a mesh");
+    let [ground, wall] =
+        [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0.25, 0.25, -1.0], [0.25, 0.25, 1.0], [2.0, 0.5, 0.0]]];
+    let faces: Vec<[u32; 3]> = (0..3000).map(|i| if i % 2 == 0 { [0, 1, 2] } else { [3, 4, 5] }).collect();
+    let pile = Mesh::new([ground, wall].concat(), faces).expect("a mesh");
     let all = query::self_intersecting_pairs(&pile).len();
     let asked = AtomicUsize::new(0);
     let must_stop = || asked.fetch_add(1, Ordering::Relaxed) >= 2;
