@@ -82,7 +82,8 @@ fn an_interrupted_search_for_self_intersections_ends_soon() {
     let must_stop = || asked.fetch_add(1, Ordering::Relaxed) >= 2;
     let some = Query::new().with_interrupt(Interrupt::when(&must_stop)).self_intersecting_pairs(&pile).len();
     assert!(some < all / 2, "{some} of {all}");
-    assert!(asked.into_inner() < 1000);
+    // Each of the tasks that threads share asks once more, and does nothing.
+    assert!(asked.into_inner() < 1 << 14);
 }
 
 /// Checks that an interrupt that always returns `false` changes no answer.
