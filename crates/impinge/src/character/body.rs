@@ -117,7 +117,9 @@ impl Character {
         &self.parts
     }
 
-    /// Returns the bones that the volumes are fixed to, and all their ancestors.
+    /// Returns the bones that the volumes are fixed to, and all their ancestors: those that
+    /// [`Rig::pose_bones_into`](super::Rig::pose_bones_into) must compute for queries of the
+    /// volumes.
     #[must_use]
     pub fn bones(&self, rig: &Rig) -> BoneSet {
         let anchors = self.parts.iter().map(|part| part.anchor);
@@ -134,8 +136,8 @@ impl Character {
         &self.skin_tree
     }
 
-    /// Returns the rigid frame of each part's bone, in the world, for a pose of the rig. The volume
-    /// of the part is given in it.
+    /// Returns for each part the rigid frame, in the world, of the bone that its volume is fixed
+    /// to, for a pose of the rig. The volume is given in that frame.
     ///
     /// # Panics
     /// If the pose lacks a bone that a part is fixed to.

@@ -120,7 +120,7 @@ impl RigError {
         &self.kind
     }
 
-    /// Returns the place of the error.
+    /// Returns which bone, joint, vertex, face, morph target, channel or key the error is about.
     #[must_use]
     pub fn place(&self) -> RigPlace {
         self.place

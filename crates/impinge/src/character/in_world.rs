@@ -40,9 +40,9 @@ pub struct PartBodies {
 }
 
 impl PartBodies {
-    /// Inserts a body into the world for each part of a character, at its current pose. All bodies
-    /// get the given traits, but the tags count up from the given tag, part by part. If the traits
-    /// have no owner, overlapping parts of the character collide with each other.
+    /// Inserts a body into the world for each part of a character, at the part's pose in `posed`.
+    /// All bodies get the given traits, but the tags count up from the given tag, part by part. If
+    /// the traits have no owner, overlapping parts of the character collide with each other.
     ///
     /// # Errors
     /// Same as [`World::insert`]; then no part is in the world.

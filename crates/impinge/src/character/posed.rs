@@ -126,21 +126,21 @@ impl<'c> Posed<'c> {
         self.character
     }
 
-    /// Returns the rigid frame of each part's bone, in the world. The volume of the part is given
-    /// in it.
+    /// Returns for each part the rigid frame, in the world, of the bone that its volume is fixed
+    /// to. The volume is given in that frame.
     #[must_use]
     pub fn frames(&self) -> &[Frame] {
         &self.frames
     }
 
-    /// Returns the corners of the axis-aligned box around the spheres of all parts, in the world.
-    /// It encloses all volumes.
+    /// Returns the lower and the upper corner of an axis-aligned box, in the world frame, that
+    /// encloses the volumes of all parts. It is the box around a bounding sphere of each part.
     #[must_use]
     pub fn outer(&self) -> [[f64; 3]; 2] {
         self.outer
     }
 
-    /// Returns the outer box as a [`MinMax`].
+    /// Returns the box of [`outer`](Self::outer), in the world frame, as a [`MinMax`].
     ///
     /// # Errors
     /// Returns an error if the box is out of range, which it never is for poses of a rig.

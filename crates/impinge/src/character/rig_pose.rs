@@ -13,13 +13,13 @@ pub struct RigPose {
 }
 
 impl RigPose {
-    /// Returns the bones in the world, by index of the bone.
+    /// Returns the placement of each bone in the world, indexed like the bones of the skeleton.
     #[must_use]
     pub fn bones(&self) -> &[PlacedBone] {
         &self.bones
     }
 
-    /// Returns the weights of the morph targets, by index of the target.
+    /// Returns the weight of each morph target, indexed like the morph targets of the skin.
     #[must_use]
     pub fn morph_weights(&self) -> &[f64] {
         &self.morph_weights

@@ -196,7 +196,8 @@ fn parents_first(bones: &[Bone]) -> Result<(Vec<u32>, Vec<u32>), RigError> {
     Ok((order, depths))
 }
 
-/// A bone in the world.
+/// The placement of a bone in the world: its origin, its rotation, and its linear map with all
+/// scales.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedBone {
     /// Rows of the map from the bone's own frame to the world, including all scales. The last entry
@@ -223,14 +224,14 @@ impl PlacedBone {
         Self { rows: [row(x, a), row(y, b), row(z, c)], rotation_wxyz: local.rotation_wxyz }
     }
 
-    /// Returns the linear map from the bone's own frame to the world, including all scales, by
-    /// rows.
+    /// Returns the linear part of the map from the bone's own frame to the world, including all
+    /// scales, by rows.
     #[must_use]
     pub fn linear(&self) -> [[f64; 3]; 3] {
         self.rows.map(|[x, y, z, _]| [x, y, z])
     }
 
-    /// Returns the bone's origin in the world.
+    /// Returns the bone's origin, in the world frame.
     #[must_use]
     pub fn origin(&self) -> [f64; 3] {
         self.rows.map(|row| row[3])

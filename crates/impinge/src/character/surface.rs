@@ -8,8 +8,8 @@ use super::plan::bones_of_faces;
 use super::rig::Rig;
 use super::rig_pose::RigPose;
 
-/// The skinned surface of a character in one pose, as an exact mesh that is refitted for other
-/// poses.
+/// The skinned surface of a character in one pose, as a mesh in the world frame that is refitted
+/// for other poses. Its vertices are rounded; queries of the mesh are exact.
 #[derive(Clone, Debug)]
 pub struct Surface {
     mesh: Mesh,
@@ -24,7 +24,7 @@ pub struct SurfaceHit {
     pub part: u32,
     /// Index of the bone that the face's corners follow most.
     pub bone: u32,
-    /// Index of the face.
+    /// Index of the face in the skin.
     pub face: u32,
     /// Ray parameter of the intersection, in units of the direction's length. Its relative error is
     /// at most 2^-40.
@@ -34,7 +34,7 @@ pub struct SurfaceHit {
 }
 
 impl Surface {
-    /// Builds the surface in a pose.
+    /// Builds the surface in a pose, which must include all bones.
     ///
     /// # Errors
     /// Returns an error if vertices are out of the range of meshes, which they never are for poses
@@ -46,7 +46,7 @@ impl Surface {
         Ok(Self { mesh, bone_of_face: bones_of_faces(rig), vertices })
     }
 
-    /// Moves the surface to another pose and refits its hierarchy.
+    /// Moves the surface to another pose, which must include all bones, and refits its hierarchy.
     ///
     /// # Errors
     /// Same as [`new`](Self::new).

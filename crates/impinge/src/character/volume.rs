@@ -79,8 +79,8 @@ pub struct HitHull {
 
 impl HitHull {
     /// Builds the hull of some points as a hit volume, in the frame of the points. A hull without
-    /// volume is thickened by one millionth of its largest coordinate, because the planes of its
-    /// faces would not bound it.
+    /// volume has no face planes that bound it, so each of its points is replaced by a cube. The
+    /// cube's half-edge is one millionth of the largest coordinate (in magnitude).
     ///
     /// # Errors
     /// Same as [`Hull::new`].

@@ -19,11 +19,12 @@ const SHADOW_TOLERANCE: f64 = 1.0 / (1 << 30) as f64;
 /// A corner, an edge or a facet of a shape, named by a number, or by two ascending numbers for an
 /// edge.
 ///
-/// Numbers stay the same when a shape moves. A corner's number is the number of the point that the
-/// shape was made of. A box has eight corners; bit k of the number is set on the positive side of
-/// axis k. A hull uses its vertices' own numbers. Each shape numbers its facets in its own way. For
-/// a cylinder, a cone, an ellipsoid or a custom set, the part that faces the other shape is a
-/// polygon of up to eight of its points, numbered by direction, or one point with number 8.
+/// Numbers stay the same when a shape moves. A corner's number is the index of the point that the
+/// shape was made of. For a hull it is the index into
+/// [`Hull::positions`](crate::hull::Hull::positions). A box has eight corners; bit k of the number
+/// is set on the positive side of axis k. Each shape numbers its facets in its own way. For a
+/// cylinder, a cone, an ellipsoid or a custom set, the part that faces the other shape is a polygon
+/// of up to eight of its points, numbered by direction, or one point with number 8.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Feature {
     /// A corner, the center of a sphere, or an end of a capsule's axis.

@@ -18,8 +18,8 @@ use crate::math::vec3::{dot, length};
 /// a wrong function gives wrong answers, but never a NaN, a panic or an endless loop.
 pub trait Support: fmt::Debug + Send + Sync {
     /// Returns a point of the set that is farthest along `direction`, both in the set's own frame.
-    /// The direction is finite and has its greatest entry at ±1, or is zero. For zero, any point of
-    /// the set will do.
+    /// The direction is finite, and its entry of greatest magnitude is ±1, or it is zero. For zero,
+    /// any point of the set will do.
     ///
     /// # Accuracy
     /// Answers are proved for functions whose point is wrong by at most 2^-50 of

@@ -26,8 +26,9 @@ use crate::math::vec3::dot;
 const MIN_SCAN_BUDGET: usize = 128;
 
 impl Hull {
-    /// Returns the same vertex number as [`support`](Self::support), found by climbing from vertex
-    /// `start`. The answer does not depend on `start`; a start near the answer is faster.
+    /// Returns the same vertex as [`support`](Self::support), found by climbing from vertex
+    /// `start`. Vertices are indices into [`positions`](Self::positions). The answer does not
+    /// depend on `start`; a start near the answer is faster.
     ///
     /// ```
     /// # use impinge::hull::Hull;
@@ -39,7 +40,7 @@ impl Hull {
     /// ```
     ///
     /// # Panics
-    /// If the hull has no vertex `start`.
+    /// If `start` is not below the number of vertices.
     ///
     /// # Complexity
     /// One step per vertex on the path from the start to the farthest vertex; each step visits all
@@ -61,7 +62,7 @@ pub(crate) fn climb(hull: &Hull, direction: &[f64; 3], start: u32) -> u32 {
     summit(hull, direction, start).0
 }
 
-/// Returns the least number of the vertices that are farthest along a direction. [`climb`] may
+/// Returns the lowest index of the vertices that are farthest along a direction. [`climb`] may
 /// return any of them.
 ///
 /// # Panics
@@ -114,7 +115,7 @@ fn summit(hull: &Hull, direction: &[f64; 3], start: u32) -> (u32, bool) {
     }
 }
 
-/// Returns the least number of the vertices that are as far along a direction as `farthest`, which
+/// Returns the lowest index of the vertices that are as far along a direction as `farthest`, which
 /// is one of the farthest. They form a face of the hull, so its edges connect them.
 fn least_of_ties(hull: &Hull, direction: &[f64; 3], farthest: u32) -> u32 {
     let positions = hull.positions();

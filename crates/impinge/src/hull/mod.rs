@@ -36,8 +36,8 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 /// The convex hull of a set of points.
 ///
 /// Its *vertices* are the extreme points of the set, each once: the points that are not in the hull
-/// of the others. They are numbered from zero in the order of the given points. If points are
-/// equal, the first is the vertex.
+/// of the others. They have the order of the given points. If points are equal, the first is the
+/// vertex.
 ///
 /// ```
 /// use impinge::hull::{Hull, HullKind};
@@ -57,8 +57,8 @@ const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 /// # Accuracy
 /// Exact: vertices, faces and neighbors are those of the hull of the real points that the floats
 /// represent. The same points give the same hull, on any number of threads and with any vector
-/// unit. Apart from the numbers of the points, vertices and adjacency do not depend on the order of
-/// the points either.
+/// unit. Apart from the indices, vertices and adjacency do not depend on the order of the points
+/// either.
 ///
 /// # Complexity
 /// Expected O(n log n) for points in general position, in any order. There is no proof for many
@@ -96,7 +96,7 @@ pub enum HullKind {
 }
 
 impl Hull {
-    /// Builds the hull of points in single or double precision.
+    /// Builds the hull of points in single or double precision, in any one frame and unit.
     ///
     /// # Errors
     /// - [`Empty`](InputErrorKind::Empty) if there are no points;
@@ -146,23 +146,25 @@ impl Hull {
         &self.positions
     }
 
-    /// Returns the boundary as triangles of vertex numbers, in counterclockwise order seen from
-    /// outside. It is empty if the hull is a point or a segment.
+    /// Returns the boundary as triangles. Their corners are indices into
+    /// [`positions`](Self::positions), in counterclockwise order seen from outside. The list is
+    /// empty if the hull is a point or a segment.
     ///
     /// The triangles form a closed surface in which every edge has one triangle on either side. A
-    /// facet with more than three corners is a fan around its least vertex. A polygon has two sides
-    /// that face away from each other. The fan of its second side is around the lesser neighbor of
-    /// its least vertex.
+    /// facet with more than three corners is a fan around its vertex of lowest index. A polygon has
+    /// two sides that face away from each other. The fan of its second side is around that vertex's
+    /// neighbor of lower index.
     #[must_use]
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
     }
 
-    /// Returns the numbers of the vertices that edges of the hull connect to a vertex, in ascending
-    /// order. The inner edges of a fan are not edges of the hull.
+    /// Returns the vertices that an edge of the hull connects to `vertex`, ascending. Vertices are
+    /// indices into [`positions`](Self::positions). An edge that only divides a facet into
+    /// triangles is not an edge of the hull.
     ///
     /// # Panics
-    /// If the hull has no such vertex.
+    /// If `vertex` is not below the number of vertices.
     #[inline]
     #[must_use]
     pub fn neighbors(&self, vertex: u32) -> &[u32] {
@@ -205,8 +207,9 @@ impl Hull {
         }
     }
 
-    /// Returns the number of the vertex that is farthest along a direction, given in the frame of
-    /// the points. Of equally far vertices, returns the least number.
+    /// Returns the vertex that is farthest along a direction, given in the frame of the points, as
+    /// an index into [`positions`](Self::positions). Of equally far vertices, returns the lowest
+    /// index.
     ///
     /// The direction may have any length. Its entries that are not finite count as zero. Along the
     /// zero direction all vertices are equally far.

@@ -8,7 +8,7 @@ use crate::simd::{self, Level};
 /// tests that compare all of them.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'i> {
-    /// The vector unit to use.
+    /// The vector unit that the query runs on.
     pub level: Level,
     /// Which mesh is the host, in whose frame boxes and triangles are compared.
     pub host: HostChoice,

@@ -6,7 +6,7 @@ use crate::math::Pose;
 /// A mesh with its pose in the world, taken as a surface or as a solid.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedMesh<'a> {
-    /// The mesh.
+    /// The mesh, in its own frame.
     pub mesh: &'a Mesh,
     /// Maps the mesh frame to the world frame.
     pub world_from_mesh: Pose,
@@ -21,7 +21,8 @@ pub struct PlacedMesh<'a> {
 pub struct SolidMesh<'a>(pub(crate) &'a Mesh);
 
 impl Mesh {
-    /// Returns the surface of the mesh, placed in the world for a query.
+    /// Returns the surface of the mesh at a pose in the world, for a query. The pose maps the mesh
+    /// frame to the world frame.
     #[must_use]
     pub fn at(&self, world_from_mesh: Pose) -> PlacedMesh<'_> {
         PlacedMesh { mesh: self, world_from_mesh, is_solid: false }
@@ -48,7 +49,8 @@ impl Mesh {
 }
 
 impl<'a> SolidMesh<'a> {
-    /// Returns the solid, placed in the world for a query.
+    /// Returns the solid at a pose in the world, for a query. The pose maps the mesh frame to the
+    /// world frame.
     #[must_use]
     pub fn at(self, world_from_mesh: Pose) -> PlacedMesh<'a> {
         PlacedMesh { mesh: self.0, world_from_mesh, is_solid: true }

@@ -5,7 +5,7 @@ use crate::volume::MinMax;
 /// A change to one box: a new position, or removal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
-    /// Key of the box. If the key has no box yet, the move inserts it.
+    /// Key of the box. If the key has no box yet, the move inserts one.
     pub key: u32,
     /// New box, or `None` to remove the box.
     pub to: Option<MinMax>,
@@ -23,13 +23,13 @@ pub struct Changes {
 }
 
 impl Changes {
-    /// Returns the pairs that overlap now and did not before the step, sorted.
+    /// Returns the pairs of keys whose boxes overlap now and did not before the step, sorted.
     #[must_use]
     pub fn began(&self) -> &[[u32; 2]] {
         &self.began
     }
 
-    /// Returns the pairs that overlapped before the step and do not now, sorted.
+    /// Returns the pairs of keys whose boxes overlapped before the step and do not now, sorted.
     #[must_use]
     pub fn ended(&self) -> &[[u32; 2]] {
         &self.ended

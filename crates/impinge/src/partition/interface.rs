@@ -14,7 +14,7 @@ use crate::volume::{BoundingVolume, MinMax};
 /// only slightly larger.
 const POSITION_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Callback that receives the key of each box found. If it returns `Break`, the search ends.
+/// Function that is called with the key of each box found. If it returns `Break`, the search ends.
 pub type Visitor<'v> = dyn FnMut(u32) -> ControlFlow<()> + 'v;
 
 /// How a kind of partition divides space, and so in which cells a box is stored.
@@ -97,8 +97,8 @@ pub trait Partition: Holds {
         }
     }
 
-    /// Visits each box that the ray enters, once, with the ray parameter of the entry
-    /// ([`Ray::enters`]).
+    /// Visits each box that the ray enters according to [`Ray::enters`], once, with the parameter
+    /// at which it does.
     ///
     /// The visitor returns how far along the ray to search on. It returns the `reach` that it
     /// received to continue, a smaller number to search less far (the `t` of the best hit so far,

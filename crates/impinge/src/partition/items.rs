@@ -3,8 +3,8 @@
 use crate::simd::prefetch;
 use crate::volume::{BoundingVolume, MinMax};
 
-/// Access to the boxes of a partition by key. Every partition implements it; it cannot be
-/// implemented outside this module.
+/// Access to the boxes of a partition by key. Every partition implements this trait, and no type
+/// outside this module can.
 pub trait Holds {
     /// Returns the boxes of the partition, indexed by key.
     fn items(&self) -> &Items;

@@ -21,7 +21,8 @@ const ROUNDING: f64 = 1.0 / (1_u64 << 51) as f64;
 
 impl Ray {
     /// Returns the ray from `origin` along `direction` that ends at `origin + reach * direction`.
-    /// The direction may have any length, and `reach` may be infinite.
+    /// Both are in the frame of the boxes. The direction may have any length, and `reach` may be
+    /// infinite.
     ///
     /// # Errors
     /// Returns [`NonFinite`](InputErrorKind::NonFinite) or
@@ -45,13 +46,14 @@ impl Ray {
         Ok(Self { origin, direction, reach })
     }
 
-    /// Returns the point at which the ray starts.
+    /// Returns the point at which the ray starts, in the frame of the boxes.
     #[must_use]
     pub fn origin(&self) -> [f64; 3] {
         self.origin
     }
 
-    /// Returns the direction of the ray: the displacement per unit of `t`.
+    /// Returns the direction of the ray as given, in the frame of the boxes: the displacement per
+    /// unit of `t`.
     #[must_use]
     pub fn direction(&self) -> [f64; 3] {
         self.direction

@@ -17,7 +17,7 @@ pub struct AlignedBytes {
 }
 
 impl AlignedBytes {
-    /// Returns `len` zeros.
+    /// Returns `len` bytes that are zero.
     #[must_use]
     pub fn zeroed(len: usize) -> Self {
         Self { lines: Pages::zeroed(len.div_ceil(size_of::<Line>())), len }

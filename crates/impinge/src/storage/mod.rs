@@ -31,8 +31,8 @@ pub struct Pages<T> {
 }
 
 impl<T: Pod> Pages<T> {
-    /// Returns `len` zeros. They are in a vector if they take less than 2 MiB, if the system
-    /// refuses pages, or without the feature `mmap`.
+    /// Returns a buffer of `len` elements that are zero. They are in a vector if they take less
+    /// than 2 MiB, if the system refuses pages, or without the feature `mmap`.
     #[must_use]
     pub fn zeroed(len: usize) -> Buffer<T> {
         /// One large page of the usual kind.

@@ -1,4 +1,5 @@
-//! The axis-aligned box as its smallest corner and its widths (*Notes*, 2.1, listing 2.2).
+//! The axis-aligned box as its smallest corner and its widths (*Notes on Real Time Collision
+//! Detection*, 2.1, listing 2.2).
 //!
 //! Tests: `tests/it/volumes/boxes.rs`. Benchmark: `box_forms`.
 

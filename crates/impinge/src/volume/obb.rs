@@ -66,7 +66,7 @@ impl Obb {
         self.axes
     }
 
-    /// Returns half the lengths along the axes.
+    /// Returns half the lengths of the box along its axes.
     #[must_use]
     pub fn half_extents(&self) -> [f64; 3] {
         self.half_extents

@@ -62,7 +62,9 @@ impl Steps for u16 {
     }
 }
 
-/// The box of the points `min + w` with `0 ≤ w ≤ widths · 2^exponent`.
+/// The box of the points `min + w` with `0 ≤ w ≤ widths · 2^exponent` on each axis. `min` is in
+/// single precision, and `widths` are small integers. A box packed from a [`MinWidths`] encloses
+/// it.
 ///
 /// ```
 /// use impinge::volume::{MinMax, MinWidths, PackedMinWidths};
@@ -79,7 +81,9 @@ pub struct PackedMinWidths<T: Steps> {
     exponent: T::Exponent,
 }
 
-/// The box of the points `center + e` with `|e| ≤ half_extents · 2^exponent`.
+/// The box of the points `center + e` with `|e| ≤ half_extents · 2^exponent` on each axis. `center`
+/// is in single precision, and `half_extents` are small integers. A box packed from a
+/// [`CenterRadius`] encloses it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PackedCenterRadius<T: Steps> {
     center: [f32; 3],

@@ -25,11 +25,11 @@ pub struct DistanceBounds {
 /// The proved relation of two closed sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Proximity {
-    /// They have no common point.
+    /// The sets are proved to have no common point.
     Apart,
-    /// They have a common point.
+    /// The sets are proved to have a common point.
     Intersects,
-    /// Rounding leaves it undecided: they touch or nearly touch. Treat this as a hit.
+    /// Rounding leaves it undecided: the sets touch or nearly touch. Treat this as a hit.
     Undecided,
 }
 
@@ -45,7 +45,8 @@ pub(super) mod sealed {
 }
 
 /// A volume that is a core swept by a sphere: [`BoundingSphere`](super::BoundingSphere),
-/// [`Capsule`](super::Capsule) or [`Lozenge`](super::Lozenge).
+/// [`Capsule`](super::Capsule) or [`Lozenge`](super::Lozenge). Two volumes that are compared must
+/// be in one frame and unit.
 ///
 /// ```
 /// use impinge::volume::{BoundingSphere, Capsule, Proximity, Round};
@@ -57,7 +58,8 @@ pub(super) mod sealed {
 /// # Ok::<(), impinge::InputError>(())
 /// ```
 pub trait Round: sealed::Swept + Sized {
-    /// Returns the distance of the two solids as an interval. The distance is zero if they overlap.
+    /// Returns the distance of the two volumes as a proved interval, in their unit. The distance is
+    /// zero if they overlap.
     ///
     /// # Accuracy
     /// The width of the interval is at most about 2^-46 of the size of the cores and of their
@@ -70,7 +72,7 @@ pub trait Round: sealed::Swept + Sized {
         }
     }
 
-    /// Reports whether the two are proved apart, proved to overlap, or undecided.
+    /// Reports whether the two volumes are proved apart, proved to overlap, or undecided.
     fn proximity<B: Round>(&self, other: &B) -> Proximity {
         let DistanceBounds { lower, upper } = self.distance(other);
         if lower > 0.0 {
@@ -82,8 +84,8 @@ pub trait Round: sealed::Swept + Sized {
         }
     }
 
-    /// Reports whether the two may overlap: `false` is returned only if they are proved apart. The
-    /// two may be of different kinds.
+    /// Reports whether the two volumes may overlap: `false` is returned only if they are proved
+    /// apart. They may be of different kinds.
     fn meets<B: Round>(&self, other: &B) -> bool {
         self.proximity(other) != Proximity::Apart
     }

@@ -92,7 +92,8 @@ impl Mesh {
     }
 
     /// Returns a mesh that borrows its arrays from shared bytes. They are not copied, and only the
-    /// array of the frame is read.
+    /// array of the frame is read. `parts` has the range of each array in `bytes`, and
+    /// `is_single_precision` tells the precision of the positions.
     ///
     /// The content of the bytes is trusted. If it is not what [`parts`](Self::parts) returned,
     /// answers may be wrong, and queries may panic or never end. Nothing outside the bytes is ever

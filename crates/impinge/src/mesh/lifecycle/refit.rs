@@ -20,9 +20,9 @@ use crate::mesh::storage::stamp::Stamp;
 use crate::mesh::triangle_mesh::{Data, Derived, Mesh};
 
 impl Mesh {
-    /// Moves the vertices. Faces and their numbers are kept, and so is the number of vertices.
-    /// Clones of the mesh keep the old vertices. Returns how the hierarchy has aged, which affects
-    /// the time of queries but no answer.
+    /// Moves the vertices to `positions`, in the mesh frame, one per vertex. The faces and their
+    /// indices are kept. Clones of the mesh keep the old vertices. Returns how the hierarchy has
+    /// aged, which affects the time of queries but no answer.
     ///
     /// ```
     /// use impinge::{Mesh, Positions};
@@ -53,7 +53,8 @@ impl Mesh {
         Ok(self.aging())
     }
 
-    /// Returns a mesh with the same faces and moved vertices. This mesh is unchanged.
+    /// Returns a mesh with the same faces and with the vertices at `positions`, in the mesh frame.
+    /// This mesh is unchanged.
     ///
     /// # Errors
     /// As [`refit`](Self::refit).

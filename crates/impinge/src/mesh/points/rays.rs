@@ -117,7 +117,8 @@ impl Mesh {
         first.best.map(|(face, crossing)| RayHit { t: crossing.t, face, point: ray.at(crossing.t) })
     }
 
-    /// Reports exactly whether a ray intersects the surface of the mesh.
+    /// Reports whether a ray, given in the mesh's own frame, intersects the surface of the mesh.
+    /// Exact.
     #[must_use]
     pub fn ray_cast_any(&self, ray: &Ray) -> bool {
         let mut any = Any { mesh: self, ray, is_hit: false };
@@ -125,7 +126,8 @@ impl Mesh {
         any.is_hit
     }
 
-    /// Returns every face that a ray intersects, sorted by true parameter and then by index.
+    /// Returns every face that a ray intersects, decided exactly. Hits are sorted by their true
+    /// parameter on the ray, then by face index.
     #[must_use]
     pub fn ray_cast_all(&self, ray: &Ray) -> Vec<RayHit> {
         let mut all = All { mesh: self, ray, hits: Vec::new() };

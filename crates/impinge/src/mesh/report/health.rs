@@ -21,16 +21,16 @@ pub struct Health {
     pub duplicate_vertices: usize,
     /// Number of vertices that no face uses.
     pub unused_vertices: usize,
-    /// Number of edges between two points that exactly one face has.
+    /// Number of edges that exactly one face has. An edge joins two different points.
     pub open_edges: usize,
     /// Number of edges that more than two faces have.
     pub non_manifold_edges: usize,
     /// Number of edges that two faces have, both in the same direction: one of the faces is inside
     /// out.
     pub misoriented_edges: usize,
-    /// Number of connected components. Faces are connected if they share a point.
+    /// Number of connected components. Faces are connected if they have corners at the same point.
     pub components: usize,
-    /// Number of coordinates that single precision cannot hold.
+    /// Number of vertex coordinates that single precision cannot represent exactly.
     pub double_coordinates: usize,
 }
 

@@ -14,8 +14,8 @@ use crate::volume::{Proxies, ProxyFlaw};
 
 impl Mesh {
     /// Returns the convex hull of the surface and the volumes fitted to it, in the mesh's own
-    /// frame, or `None` for a mesh without faces. The hull's vertices have the indices of the
-    /// mesh's vertices. Vertices that no face uses are ignored.
+    /// frame, or `None` for a mesh without faces. The [`vertices`](Hull::vertices) of the hull are
+    /// indices of vertices of the mesh. Vertices that no face uses are ignored.
     ///
     /// ```
     /// use impinge::{Mesh, Positions, hull::HullKind};

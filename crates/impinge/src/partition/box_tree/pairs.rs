@@ -24,8 +24,9 @@ impl BoxTree {
         pairs
     }
 
-    /// Returns the same pairs as [`Partition::pairs_with`](super::super::Partition::pairs_with), by
-    /// descending both trees at once.
+    /// Returns all pairs of a box of this tree and a box of `other` that overlap, as keys, by
+    /// descending both trees at once. The result is sorted and equals that of
+    /// [`Partition::pairs_with`](super::super::Partition::pairs_with).
     #[must_use]
     pub fn pairs_with_tree(&self, other: &Self) -> Vec<[u32; 2]> {
         let (Some(root), Some(other_root)) = (self.bvh.root(), other.bvh.root()) else { return Vec::new() };

@@ -1,4 +1,7 @@
-//! The frame in which columns have width one, and the level and column of a box.
+//! Layout of the columns of a sweep. A [`Frame`] scales and shifts boxes so that columns of the
+//! finest level have width one, and says to which level and which columns a box belongs. Columns
+//! are parallel to one axis. Those of each level are four times as wide as those of the level
+//! before.
 
 use std::ops::Range;
 
@@ -8,8 +11,8 @@ use crate::simd::by_axis;
 use crate::volume::MinMax;
 
 /// Number of levels of columns. Each level is four times as wide as the level before; the last
-/// level is a single column. The levels reach so far that a box of a regular level is smaller than
-/// the range in which images differ.
+/// level is a single column. Boxes of all levels but the last are at most about 2^17 long, well
+/// within [`MAX_IMAGE`], where images are clamped.
 pub(super) const LEVELS: usize = 11;
 
 /// Binary logarithm of the ratio of the widths of successive levels. Shifting a column number of
@@ -34,7 +37,7 @@ const TARGET_COLUMN_LEN: f64 = 1024.0;
 
 /// Maximum number of columns in memory. If there are more, columns share places, and the boxes
 /// themselves decide each hit: with 1/8 of this number, ten million boxes took four times as long.
-/// Each column is a place in memory that is written to in turn.
+/// More columns would scatter the writes over more of memory.
 const MAX_COLUMNS: usize = 1 << 15;
 
 /// Maximum extent of a box, relative to the width of the columns of its level. A box then reaches
@@ -185,7 +188,8 @@ impl Frame {
         u64::from(mask) + 1 < u64::from(stride) * u64::from(rows)
     }
 
-    /// Returns the column at a place in memory, if no other column shares the place.
+    /// Returns the column at a place in memory. The result is meaningless if several columns share
+    /// the place.
     pub(super) fn column_at(&self, level: usize, place: usize) -> [i32; 2] {
         let Grid { first, stride, .. } = self.grids[level];
         let index = place as u32 - first;
@@ -276,8 +280,8 @@ impl Frame {
         grid.first + (index & grid.mask)
     }
 
-    /// Reports whether the columns from `first` to `last` lie within the level's grid. Only then
-    /// does no other column share their places, unless the level is folded.
+    /// Reports whether the columns from `first` to `last` lie within the level's grid. Two columns
+    /// within the grid never share a place, unless the level is folded.
     #[inline(always)]
     pub(super) fn is_within(&self, level: usize, [first, last]: [[i32; 2]; 2]) -> bool {
         let Grid { stride, rows, .. } = self.grids[level];

@@ -101,7 +101,7 @@ const MIN_RUN: usize = 1 << 11;
 const COLUMNS_PER_TASK: usize = 4;
 
 impl ColumnSweep {
-    /// Returns a finder that has no working memory yet.
+    /// Returns a sweep that has no working memory yet; [`find`](Self::find) allocates it.
     #[must_use]
     pub fn new() -> Self {
         Self::default()

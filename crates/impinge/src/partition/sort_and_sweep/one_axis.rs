@@ -46,7 +46,7 @@ struct Entry {
 }
 
 impl SweepOneAxis {
-    /// Returns an empty partition sorted along this axis.
+    /// Returns an empty partition, whose boxes will be sorted along `axis`.
     #[must_use]
     pub fn along(axis: Axis) -> Self {
         Self { axis, ..Self::default() }

@@ -81,8 +81,8 @@ impl Proxies {
         Ok(Self { hull: Arc::new(hull), volumes })
     }
 
-    /// Returns the convex hull, ready for [`Shape::hull`](crate::shape::Shape::hull). Its vertices
-    /// keep the indices of the points.
+    /// Returns the convex hull, ready for [`Shape::hull`](crate::shape::Shape::hull). Its
+    /// [`vertices`](Hull::vertices) are indices of the points.
     #[must_use]
     pub fn hull(&self) -> &Arc<Hull> {
         &self.hull
@@ -112,7 +112,8 @@ impl Proxies {
         self.volumes.lozenge
     }
 
-    /// Returns the oriented box, with the axes of [`fit::obb`].
+    /// Returns an oriented box around the points, with the center and axes of the box of
+    /// [`fit::obb`].
     #[must_use]
     pub fn obb(&self) -> Obb {
         self.volumes.obb

@@ -13,8 +13,9 @@
 //! next float and no further. So all tight ways return the same bits. The other ways return a box
 //! that encloses the tight one for every pose.
 //!
-//! The pose always maps from the local frame. No way uses its last box, so boxes do not grow over a
-//! thousand rotations.
+//! The pose always maps from the local frame to the world frame. Every box is computed from the
+//! stored data and the pose, never from the previous box, so boxes do not grow over a thousand
+//! rotations.
 //!
 //! Tests: `tests/it/realign`. Benchmark: `realign`. Proof: `docs/notes/proof.md`.
 

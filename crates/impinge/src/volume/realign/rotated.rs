@@ -34,8 +34,9 @@ impl RotatedBox {
     /// Prepares a box given in the local frame.
     ///
     /// # Accuracy
-    /// On an axis let `C` be the exact center of the image, `H = Σ |r_k| e_k` its exact
-    /// half-extent, and u = 2^-53. The computed center has an error of at most 4 u `Σ |r_k| |c_k|`
+    /// Let c and e be the center and the half-extents of the box. For one axis of the world let r
+    /// be the row of the pose's matrix, t the translation, and u = 2^-53. The exact half-extent of
+    /// the image is `Σ |r_k| e_k`. The computed center has an error of at most 4 u `Σ |r_k| |c_k|`
     /// plus u `|t|`. The computed half-extent is below the true sum by at most 4 u of it. The last
     /// sum and difference round by u of both. So 6 u of `Σ |r_k| (|c_k| + e_k) + |t|` are enough,
     /// up to terms in u². Each half-extent therefore includes 8 u of `|c_k| + e_k` from the start.

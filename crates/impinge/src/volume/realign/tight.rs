@@ -100,8 +100,9 @@ impl<'h> ClimbingHull<'h> {
         Self { hull, last: last.map(|ends| ends.map(|end| if end < count { end } else { 0 })) }
     }
 
-    /// Returns the numbers of the minimal and the maximal vertex along each world axis at the last
-    /// call. Before the first call they are where the climbs start.
+    /// Returns for each world axis the vertices whose images were lowest and highest along it at
+    /// the last call of [`realign`](Realign::realign). They are indices into [`Hull::positions`].
+    /// Before the first call, returns the vertices at which the climbs start.
     #[must_use]
     pub fn extremes(&self) -> [[u32; 2]; 3] {
         self.last

@@ -2,7 +2,7 @@
 //! agree on their orientation.
 //!
 //! Nothing is removed and nothing is renumbered, so answers about the repaired mesh use the face
-//! and vertex numbers of the input.
+//! and vertex indices of the input.
 
 mod closing;
 mod orient;
@@ -17,8 +17,8 @@ use orient::{Orientation, orientation};
 /// Options of [`Mesh::repaired`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RepairOptions {
-    /// Maximum distance by which a vertex may be moved to an earlier one, in the unit of the mesh.
-    /// If it is zero, no vertex is moved.
+    /// Maximum distance by which a vertex may be moved to an earlier vertex, in the unit of the
+    /// mesh. If it is zero, no vertex is moved.
     pub weld: f64,
     /// Whether faces are turned so that neighbors agree on their orientation.
     pub orient: bool,
@@ -27,18 +27,20 @@ pub struct RepairOptions {
 /// The changes that [`Mesh::repaired`] made, and the defects that it left. All lists are ascending.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Repair {
-    /// Vertices that were moved to the position of an earlier one.
+    /// Indices of vertices that were moved to the position of an earlier vertex.
     pub welded_vertices: Vec<u32>,
     /// Maximum distance by which a vertex was moved, in the unit of the mesh, rounded. Zero if none
     /// was moved.
     pub greatest_move: f64,
-    /// Faces whose second and third corner were swapped.
+    /// Indices of faces whose second and third corner were swapped.
     pub turned_faces: Vec<u32>,
-    /// Faces of sheets that cannot be oriented, such as a Möbius strip. They are unchanged.
+    /// Indices of faces of sheets that cannot be oriented, such as a Möbius strip. The faces are
+    /// unchanged.
     pub one_sided_faces: Vec<u32>,
-    /// Faces without area after the repair. They are not removed.
+    /// Indices of faces without area after the repair. The faces are not removed.
     pub degenerate_faces: Vec<u32>,
-    /// Faces with the same three points as an earlier face after the repair. They are not removed.
+    /// Indices of faces with the same three points as an earlier face after the repair. The faces
+    /// are not removed.
     pub duplicate_faces: Vec<u32>,
 }
 

@@ -12,9 +12,10 @@ use crate::mesh::solid::winding::{Containment, PointClassifier};
 
 /// A binary tree of planes that divides space around a mesh into disjoint convex cells.
 ///
-/// It is for many points and rays against a mesh that does not change. A point costs a comparison
-/// with one plane for each level. It costs an exact winding number only if it is the first point of
-/// its cell, on a plane, or in a cell that still has faces.
+/// It answers [`contains`](Self::contains) and [`ray_cast`](Self::ray_cast) for many points and
+/// rays against a mesh that does not change. A point costs a comparison with one plane for each
+/// level. It costs an exact winding number only if it is the first point of its cell, on a plane,
+/// or in a cell that still has faces.
 ///
 /// ```
 /// use impinge::mesh::{Containment, SolidBsp};
@@ -111,7 +112,7 @@ impl SolidBsp {
         Ok(if cell.faces.is_empty() { *cell.label.get_or_init(ask) } else { ask() })
     }
 
-    /// Returns the number of cells.
+    /// Returns the number of cells, the leaves of the tree.
     #[must_use]
     pub fn cells(&self) -> usize {
         self.cells.len()
