@@ -135,7 +135,7 @@ impl Columns {
         }
     }
 
-    /// Returns the numbers of the finished rows, in their final order.
+    /// Returns the indices of the boxes of the finished rows, in their final order.
     pub(super) fn finished(&self) -> &[i16] {
         &self.finished[..]
     }

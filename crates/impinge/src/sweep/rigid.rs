@@ -7,8 +7,8 @@ use crate::mesh::{Mesh, PlacedMesh};
 use crate::query::{Cache, Query, intersects};
 
 /// Maximum number of steps. Meshes that approach each other directly take one or two for each
-/// radian of rotation. Meshes that pass each other at a small gap take about one step each time they
-/// have moved by the length of the gap.
+/// radian of rotation. Meshes that pass each other at a small gap take about one step each time
+/// they have moved by the length of the gap.
 const MAX_STEPS: usize = 1024;
 
 /// Maximum distance of meshes that count as touching, relative to the sum of their sizes: 2^-38.

@@ -54,8 +54,8 @@ impl DynamicTree {
         self.bvh.leaf_of(number).map(|leaf| &self.bvh.node(leaf).bounds)
     }
 
-    /// Inserts a box, which must not be empty, and returns the number that identifies it. The number
-    /// freed last is used again; if no number is free, the smallest unused number is taken.
+    /// Inserts a box, which must not be empty, and returns the number that identifies it. The
+    /// number freed last is used again; if no number is free, the smallest unused number is taken.
     ///
     /// # Complexity
     /// A bounded number of steps.
