@@ -7,7 +7,7 @@ use super::placement::Placement;
 use super::triangles::Position;
 use crate::math::Sign::{self, Zero};
 
-/// How two triangles intersect. An edge is given by the numbers of its corners, each 0, 1 or 2.
+/// How two triangles intersect. An edge is given by the indices of its corners, each 0, 1 or 2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Contact {
     /// The triangles are disjoint, share only one point, share no area in one plane, or one of them

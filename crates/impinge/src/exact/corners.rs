@@ -89,8 +89,8 @@ impl<'p> PairCorners<'p> {
     }
 
     /// Returns the orientation of an edge of A and an edge of B: the sign of
-    /// `det(a1 - a0, b0 - a0, b1 - a0)` in A's frame. The corner numbers of both triangles count
-    /// from zero.
+    /// `det(a1 - a0, b0 - a0, b1 - a0)` in A's frame. Corners of both triangles are given by
+    /// index, 0 to 2.
     pub(super) fn edges(&mut self, [a0, a1]: [usize; 2], [b0, b1]: [usize; 2]) -> Sign {
         let u = sub(&self.a[a1], &self.a[a0]);
         let v = sub(&self.image_b[b1], &self.image_b[b0]);

@@ -33,8 +33,9 @@ const RESTING_TOLERANCE: f64 = 1e-9;
 /// Squared sine of the angle below which two edges count as parallel.
 const PARALLEL_SINE_SQUARED: f64 = 1e-12;
 
-/// Maximum relative difference of squared distances that count as equal. The compared points are
-/// off the nearest ones by a rounding error, sideways, which adds its square.
+/// Maximum relative difference of squared distances that count as equal. The given points differ
+/// from the nearest ones by a rounding error across the line between them, so the squared distance
+/// changes only by the square of this error.
 const EQUAL_DISTANCES: f64 = 1e-24;
 
 /// A direction in the world frame, of any length, with twice the digits of a float.
@@ -135,8 +136,9 @@ fn squared_distance(placement: &Placement, corners: [&Corners; 2], shares: [[f64
     Some(dot(&between, &between))
 }
 
-/// Returns an upper bound on the products of a direction of the world with the points of a mesh.
-/// The products are at most the sum of the value and its error.
+/// Returns the maximum dot product of a world direction with points of a mesh under its pose.
+/// `points` are in the mesh frame. The true maximum is at most the returned value plus its error
+/// bound.
 fn reach(
     direction: &[DoubleDouble; 3],
     world_from_mesh: &Pose,
@@ -156,8 +158,8 @@ fn reach(
         extents = [0, 1, 2].map(|k| extents[k].max(point[k].abs()));
     }
     let surely_less = farthest - 16.0 * f64::EPSILON * size;
-    // Points of an axis-aligned plane have one product, up to the errors of the zeros of the
-    // gradient.
+    // A point that differs from the last one only along axes on which the gradient is zero up to
+    // rounding has the same product, and is skipped. `left_out` bounds the difference.
     let off_zero = gradient.each_ref().map(DoubleDouble::off_zero);
     let left_out: f64 = (0..3).filter_map(|k| Some(off_zero[k]? * extents[k])).sum();
     let mut last = [f64::NAN; 3];

@@ -1,8 +1,9 @@
 //! Signs of determinants of integers of three machine words.
 //!
-//! A posed coordinate is a sum of a translation and three products of 53 bits by the bits of a
-//! corner. It spans 100 to 180 bits unless sizes differ extremely. So along each axis the corners
-//! of a pair are integers of 192 bits on a grid of their own, and a determinant has 576 bits.
+//! A posed coordinate is a translation plus three products of a pose entry (53 bits) and a corner
+//! coordinate (24 or 53 bits). Its terms span 100 to 180 bits in all, unless their sizes differ
+//! extremely. So along each axis the corners of a pair are integers of 192 bits on a grid of their
+//! own, and a determinant has 576 bits.
 //! Everything has a fixed size and is on the stack. The proof is docs/notes/proof.md, L6.
 
 use super::exact_points::{Corners, ExactPoints};

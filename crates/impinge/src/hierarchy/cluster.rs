@@ -1,6 +1,6 @@
-//! The bottom of a tree: clusters of at most some thousand boxes. A cluster is split by planes
-//! through the middle of its centers. Once hundreds are left, it is split at medians into full
-//! nodes and full leaves.
+//! Builds the bottom of a tree: subtrees of clusters, which have at most 8192 boxes. A cluster is
+//! split by planes through the middle of its centers. Runs of at most 512 boxes are split at
+//! medians into full nodes and full leaves.
 //!
 //! Source: Ericson, *Real-Time Collision Detection*, 6.2.2 and 6.2.3, the splits at the middle and
 //! at the median. Ours departs in that it never sorts: medians are found by counting. The last few
@@ -19,8 +19,9 @@ use crate::simd::LANES;
 /// Maximum number of boxes in a cluster.
 pub(crate) const MAX_CLUSTER: usize = MAX_ROWS;
 
-/// Runs with more boxes than this are split by planes, which find the gaps between boxes. It is the
-/// number of boxes below a wide node of nodes of leaves. Medians fill the nodes below.
+/// Runs with more boxes than this (512) are split by planes, which find the gaps between boxes;
+/// smaller runs at medians, which fill the nodes. A wide node whose children have only leaves as
+/// children holds this many boxes.
 const SPLIT_BY_PLANE_ABOVE: usize = LANES * NODE_OF_LEAVES;
 
 /// Maximum number of pending runs: one for each level and one more.

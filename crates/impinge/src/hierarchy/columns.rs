@@ -1,7 +1,7 @@
-//! The boxes of a cluster while it is split: their centers as small integers, in columns that are
-//! read in whole vectors.
-//!
-//! Each run of rows has room for twice its length, and is split within that room (see [`parting`]).
+//! The boxes of a cluster while it is split, as a table with a row for each box: the center in
+//! small integers, and the index of the box. The table is stored by columns, so that whole vectors
+//! can be read. Splits move rows. A run (consecutive rows) has room for twice its length and is
+//! split within that room (see [`parting`]).
 //!
 //! Tests: `columns/tests.rs`, at every vector level. Benchmark: `hierarchies`.
 
@@ -101,9 +101,10 @@ impl Columns {
         Some((Run { len: low, at: low_at, planes, ..run }, run.high(low, high_at, planes)))
     }
 
-    /// Splits more than sixteen rows: the first `low` rows along the longest axis of their box go
-    /// to the start of the room, the other rows behind the room of these. Both parts keep their
-    /// order. `low` must be a multiple of eight, and at least half of the rows.
+    /// Splits more than sixteen rows. The `low` rows that come first along the longest axis of the
+    /// rows' box go to the start of the room. The others start `2 * low` slots later, so that the
+    /// first part has room for twice its length too. Both parts keep their order. `low` must be a
+    /// multiple of eight, and at least half of the rows.
     #[inline(always)]
     pub(super) fn part<S: Simd>(&mut self, simd: S, run: Run, low: usize) -> (Run, Run) {
         if run.len <= 2 * SIXTEEN {
@@ -134,7 +135,7 @@ impl Columns {
         }
     }
 
-    /// Returns the numbers of the finished rows, in their final order.
+    /// Returns the indices of the boxes of the finished rows, in their final order.
     pub(super) fn finished(&self) -> &[i16] {
         &self.finished[..]
     }
@@ -154,9 +155,9 @@ impl Columns {
         }
     }
 
-    /// Splits more rows by counting. Either part has [`MAX_TOGETHER`] rows at least, or no other
-    /// run lies behind it. As a run has room for twice its rows, and for one more vector at the
-    /// end, stores of whole vectors overwrite no other run.
+    /// Splits more rows by counting. Whole vectors are stored, so a store may write past the end of
+    /// a part. It reaches no other run: a part of at least [`MAX_TOGETHER`] rows has as many free
+    /// slots behind it, and behind a smaller part lies no run.
     #[inline(always)]
     fn part_many<S: Simd>(&mut self, simd: S, run: Run, low: usize) {
         let (axis, reach) = self.widest::<MAX_TOGETHER, S>(simd, run);
@@ -244,9 +245,9 @@ fn count_below<S: Simd>(simd: S, along: &[i16], pivot: i16) -> usize {
     counts.reduce_sum() as usize
 }
 
-/// Returns an interval around the median, and the number of coordinates below it: at most `low` of
-/// `len` are below its start, and more than `low` below its end. Few coordinates are in the
-/// interval. If exactly `low` are below its start, its end does not matter.
+/// Returns an interval `from..to` that holds few of the `len` coordinates, and the number of
+/// coordinates below `from`. At most `low` are below `from`, and more than `low` below `to`. If
+/// exactly `low` are below `from`, then `to` does not matter.
 #[inline(always)]
 fn median<S: Simd>(simd: S, along: &[i16], [least, greatest]: [i16; 2], low: usize, len: usize) -> (i16, i16, usize) {
     /// The interval may hold this part of the coordinates, 1/64. They are split by their order

@@ -42,7 +42,7 @@ pub struct Costs {
 }
 
 impl Costs {
-    /// Returns `N_V C_V + N_P C_P + N_U C_U`, in seconds.
+    /// Returns the time of the counted operations in seconds: `N_V C_V + N_P C_P + N_U C_U`.
     ///
     /// ```
     /// use impinge::hierarchy::{Costs, Counters};

@@ -24,7 +24,8 @@ const PREFETCH_AHEAD: usize = 2;
 
 const LANE_NUMBERS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
-/// A subtree that is small enough to have slabs, but whose parent is not.
+/// The nodes and leaves of a subtree with at most [`MAX_PATCH_LEAVES`] leaves, whose parent, if
+/// any, has more. Only nodes of patches have slabs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Patch {
     pub(crate) nodes: Range<usize>,

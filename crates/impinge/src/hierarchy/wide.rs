@@ -84,7 +84,11 @@ impl Node {
         self.references[lane] & !LEAF_BIT
     }
 
-    /// Returns the child in `lane`.
+    /// Returns the child in `lane`. The result is meaningless for lanes from [`count`](Self::count)
+    /// on.
+    ///
+    /// # Panics
+    /// If `lane` is 8 or more.
     #[inline(always)]
     #[must_use]
     pub fn child(&self, lane: usize) -> Child {

@@ -28,6 +28,8 @@ impl Serialize for Pose {
 }
 
 impl<'de> Deserialize<'de> for Pose {
+    /// Reads the four rows of a pose's matrix and validates them.
+    ///
     /// # Errors
     /// As [`Pose::from_matrix`], wrapped in the error type of the format.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

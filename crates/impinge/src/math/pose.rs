@@ -21,9 +21,9 @@ const QUATERNION_TOLERANCE: f64 = 1e-3;
 /// The affine map `x = linear · v + translation` from one frame to another, such as from a mesh
 /// frame to the world frame. Its entries are the exact values of the floats.
 ///
-/// Every invertible map within the stated range is a valid pose, shears and mirrors included. The
-/// matrix is never made orthonormal. Two poses are equal if all their entries are; zeros of either
-/// sign are equal.
+/// Every invertible map whose entries are within the limits of [`new`](Self::new) is a valid pose,
+/// shears and mirrors included. The matrix is never made orthonormal. Two poses are equal if all
+/// their entries are; zeros of either sign are equal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     linear: [[f64; 3]; 3],
@@ -36,7 +36,8 @@ impl Pose {
     pub const IDENTITY: Self =
         Self { linear: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3], mirrors: false };
 
-    /// Builds a pose from its linear part, in rows, and its translation.
+    /// Builds a pose from its linear part, in rows, and its translation, in units of the frame that
+    /// the pose maps to.
     ///
     /// # Errors
     /// An entry is named by its index in the row-major 4x4 matrix.
@@ -84,7 +85,7 @@ impl Pose {
         Self::new(rows.map(|[x, y, z, _]| [x, y, z]), rows.map(|row| row[3]))
     }
 
-    /// Builds a pose that only translates.
+    /// Builds a pose that only translates, by a vector in units of the frame that the pose maps to.
     ///
     /// # Errors
     /// As [`new`](Self::new).

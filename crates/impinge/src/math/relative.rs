@@ -107,8 +107,8 @@ impl RelativeMap {
         map
     }
 
-    /// Maps a point of B's frame to A's frame, in floats. [`image_error`](Self::image_error) bounds
-    /// its error.
+    /// Maps a point of B's frame to A's frame, rounded. [`image_error`](Self::image_error) bounds
+    /// the error of the result.
     #[must_use]
     pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = point;

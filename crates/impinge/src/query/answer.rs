@@ -26,8 +26,8 @@ pub struct Witness {
     pub point_a: [f64; 3],
     /// Point of the second thing in the world frame, each coordinate rounded.
     pub point_b: [f64; 3],
-    /// Faces that the points lie on: the face of the first mesh, then that of the second. Absent if
-    /// one of the things is a shape.
+    /// Indices of the faces that the points lie on: a face of the first mesh, then a face of the
+    /// second. Absent if one of the things is a shape.
     pub faces: Option<[u32; 2]>,
 }
 

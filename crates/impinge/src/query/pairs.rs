@@ -1,4 +1,4 @@
-//! The pairs of faces of two meshes that intersect.
+//! Finds the pairs of intersecting faces, one face from each of two meshes.
 
 use super::{Query, pair_order};
 use crate::mesh::{PlacedMesh, collect_intersecting};
@@ -33,8 +33,8 @@ pub fn intersecting_pairs<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<Pla
 /// Intersecting pairs of faces up to a limit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LimitedPairs {
-    /// The first pairs in sorted order, at most the limit. Each is a face of the first mesh and a
-    /// face of the second.
+    /// The first pairs in sorted order, at most the limit. Each pair has the index of a face of the
+    /// first mesh, then of a face of the second.
     pub pairs: Vec<[u32; 2]>,
     /// Whether there are more pairs than the limit.
     pub truncated: bool,

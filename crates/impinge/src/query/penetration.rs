@@ -15,8 +15,8 @@ pub struct Penetration {
     /// Upper bound of the depth, in world units: moving the second thing by this length along
     /// [`normal`](Self::normal) separates the interiors. Infinite if no such translation is known.
     pub upper: f64,
-    /// Direction of length 1 from the first thing to the second, in the world frame. If several
-    /// directions are equally good, it is one of them.
+    /// Direction of length 1 from the first thing to the second, in the world frame, rounded. If
+    /// several directions are equally good, it is one of them.
     pub normal: [f64; 3],
     /// Point of the first thing that is deepest in the second along the normal, in the world frame,
     /// each coordinate rounded.

@@ -59,7 +59,7 @@ impl Scene {
     }
 
     /// Returns for each configuration the pairs of parts for which the answer to a question is yes,
-    /// sorted. With [`Stop::First`] it returns the first pair only.
+    /// sorted. Undecided pairs are included. With [`Stop::First`] it returns the first pair only.
     ///
     /// A part with a faulty pose counts as near every other part. If a configuration has faulty
     /// poses, its status is that of the first such part. Otherwise it depends on whether one of the

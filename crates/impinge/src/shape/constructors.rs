@@ -162,7 +162,7 @@ impl Shape {
     /// ```
     ///
     /// # Errors
-    /// As for [`sphere`](Self::sphere), for the numbers of the set's reach.
+    /// As for [`sphere`](Self::sphere), if a length that [`Support::reach`] returns is invalid.
     pub fn custom(set: Arc<dyn Support>) -> Result<Self, InputError> {
         check_lengths("reach", &set.reach())?;
         Ok(Self::curved(set))

@@ -13,7 +13,7 @@ const MIN_TREE_PARTS: usize = 16;
 #[derive(Clone, Debug)]
 pub(super) struct PartTree {
     tree: BoxTree,
-    /// Number of the part of each box of the tree.
+    /// Index of the part that each box of the tree bounds.
     part_of: Vec<u32>,
     /// Parts without a box, such as half-spaces, in ascending order.
     boundless: Vec<u32>,
@@ -38,7 +38,7 @@ impl PartTree {
         Some(Self { tree: BoxTree::build(&boxes), part_of, boundless })
     }
 
-    /// Returns the numbers of the parts that may be within `reach` of a box, in ascending order.
+    /// Returns the indices of the parts that may be within `reach` of a box, in ascending order.
     /// Returns `None` if there is no box or if it is out of range.
     pub(super) fn near(&self, bounds: Option<[[f64; 3]; 2]>, reach: f64) -> Option<Vec<u32>> {
         let Self { tree, part_of, boundless } = self;

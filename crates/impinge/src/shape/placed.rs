@@ -235,7 +235,7 @@ impl PlacedShape {
         Faceted { swept, facets }
     }
 
-    /// Returns the numbers of the parts that may be within `reach` of a box, in ascending order.
+    /// Returns the indices of the parts that may be within `reach` of a box, in ascending order.
     /// Returns all parts if there is no box.
     pub(crate) fn parts_near(&self, bounds: Option<[[f64; 3]; 2]>, reach: f64) -> Vec<u32> {
         let near = self.part_tree().and_then(|tree| tree.near(bounds, reach));

@@ -84,7 +84,7 @@ impl<'m> Deforming<'m> {
     /// - A coordinate is not finite, or above 2^126 in magnitude. The reported row counts the rows
     ///   of `t0`, then those of `t1`.
     /// - An index has no vertex in `t0` or in `t1`.
-    /// - There are more vertices or faces than can be numbered.
+    /// - There are more vertices or faces than a `u32` can index.
     ///
     /// # Complexity
     /// O(n log n).

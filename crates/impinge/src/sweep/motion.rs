@@ -138,7 +138,8 @@ impl Motion {
         Ok(Self { linear, angular, pivot, ..Self::resting(world_from_body_t0) })
     }
 
-    /// Returns the pose at a time from 0 to 1, rounded. At time 0 it is exactly the first pose.
+    /// Returns the pose at a time from 0 to 1, rounded: the map from the body's frame to the world
+    /// frame. At time 0 it is exactly the first pose.
     /// Times outside [0, 1] count as the nearer end, and NaN as 0.
     ///
     /// # Accuracy

@@ -7,15 +7,15 @@ use crate::mesh::{Mesh, PlacedMesh};
 use crate::query::{Cache, Query, intersects};
 
 /// Maximum number of steps. Meshes that approach each other directly take one or two for each
-/// radian of rotation. Meshes that pass closely take one for each piece of their path as long as
-/// the gap.
+/// radian of rotation. Meshes that pass each other at a small gap take about one step each time
+/// they have moved by the length of the gap.
 const MAX_STEPS: usize = 1024;
 
 /// Maximum distance of meshes that count as touching, relative to the sum of their sizes: 2^-38.
 /// Nothing more can be proved below it.
 pub(super) const TOUCHING: f64 = 1.0 / (1_u64 << 38) as f64;
 
-/// Bound on a length whose square underflows.
+/// Bound on a length whose square underflows; added so that computed lengths are never too small.
 pub(super) const VANISHING: f64 = 1e-150;
 
 /// Returns the time at which two rigidly moving meshes first touch. Each mesh is a surface or a

@@ -10,8 +10,8 @@ use crate::query::{distance, intersects};
 use crate::shape::{PlacedShape, Shape};
 
 /// Returns the time at which two things first touch when each moves rigidly, as a proved interval.
-/// Time 0 is the start of the motions and 1 their end. They may be meshes, as surfaces or as
-/// solids, shapes or compounds.
+/// Time 0 is the start of the motions and 1 their end. The things may be meshes (as surfaces or as
+/// solids), shapes or compounds.
 ///
 /// The time is 0 if the things touch or overlap at the start, or if one starts inside the other, a
 /// solid. Things that pass through each other between the start and the end are found.

@@ -74,11 +74,12 @@ use state::{Resident, State};
 pub struct Options {
     /// Method by which pairs of overlapping boxes are found.
     pub broad_phase: BroadPhase,
-    /// Facts that are computed about pairs of overlapping boxes.
+    /// Results that a step computes for each pair of bodies whose boxes overlap.
     pub narrow_phase: NarrowPhase,
 }
 
-/// Many bodies, and which of them intersect.
+/// A set of bodies, with the pairs of bodies that intersect or may intersect. Each
+/// [`step`](Self::step) moves bodies and updates the pairs.
 ///
 /// ```
 /// use impinge::{Pose, shape::Shape, world::{Body, World}};
@@ -207,8 +208,8 @@ impl World {
         Ok(self.resident(body)?.clone().into_body())
     }
 
-    /// Returns the box around a body in the world frame. Returns `None` for a body that is empty,
-    /// or that is or contains a half-space.
+    /// Returns an axis-aligned box in the world frame that contains a body. Returns `None` for a
+    /// body that is empty, or that is or contains a half-space.
     ///
     /// # Errors
     /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.
@@ -335,7 +336,8 @@ impl World {
         sorted(self.state.pairs.iter().filter_map(|entry| self.state.pair(entry)).collect()).into_iter()
     }
 
-    /// Returns the intersecting pairs that contained a body at the last step, sorted.
+    /// Returns the pairs of a body that intersected at the last step, sorted. Undecided pairs are
+    /// included.
     ///
     /// # Errors
     /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.
@@ -346,8 +348,8 @@ impl World {
         Ok(sorted(entries.filter_map(|entry| self.state.pair(entry)).collect()).into_iter())
     }
 
-    /// Returns the pair of two bodies in any order, or `None` if they did not intersect at the last
-    /// step.
+    /// Returns the pair of two bodies, given in any order, if they intersected at the last step or
+    /// this was undecided. Returns `None` otherwise.
     ///
     /// # Errors
     /// Returns [`Stale`](WorldError::Stale) if one of the bodies is not in the world.

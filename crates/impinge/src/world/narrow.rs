@@ -4,7 +4,7 @@
 use super::placed::Placed;
 use crate::query::{self, Manifold, Proximity};
 
-/// Facts that are computed about pairs whose boxes overlap.
+/// Results that a step computes for each pair of bodies whose boxes overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum NarrowPhase {
     /// Nothing: all pairs whose boxes overlap are reported, as undecided. For coarse triggers, and

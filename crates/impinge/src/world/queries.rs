@@ -71,8 +71,9 @@ impl World {
     }
 
     /// Returns the bodies that contain a point of the world frame, sorted by tag, then by handle.
-    /// Only bodies for which `wanted` returns `true` are considered. A mesh that is not solid
-    /// contains only the points of its surface.
+    /// Undecided bodies are included, as with [`overlapping`](Self::overlapping). Only bodies for
+    /// which `wanted` returns `true` are considered. A mesh that is not solid contains only the
+    /// points of its surface.
     ///
     /// # Errors
     /// Returns an error if a coordinate is not finite, or is 2^128 or more in magnitude.

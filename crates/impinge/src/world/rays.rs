@@ -43,9 +43,10 @@ const MAX_STEPS: usize = 64;
 const CONTACT_TOLERANCE: f64 = 1.0 / (1_u64 << 42) as f64;
 
 impl World {
-    /// Returns the first body that a ray in the world frame hits, out of the bodies for which
-    /// `wanted` returns `true`. If several are hit at the same `t`, returns the body with the
-    /// smallest tag, then handle. Returns `None` if no body is hit.
+    /// Returns the first body that a ray in the world frame hits within its reach, out of the
+    /// bodies for which `wanted` returns `true`. If several are hit at the same `t`, returns the
+    /// body with the smallest tag, then handle. Returns `None` if no body is hit. If it is
+    /// undecided whether the ray hits a round shape, the shape may count as hit or as missed.
     ///
     /// ```
     /// use impinge::partition::Ray;
@@ -73,8 +74,9 @@ impl World {
         best
     }
 
-    /// Returns every body that a ray in the world frame hits, out of the bodies for which `wanted`
-    /// returns `true`, each with its first hit. The hits are sorted by `t`, then by tag and handle.
+    /// Returns every body that a ray in the world frame hits within its reach, out of the bodies
+    /// for which `wanted` returns `true`, each with its first hit. The hits are sorted by `t`, then
+    /// by tag and handle. Undecided hits are treated as in [`ray_cast`](Self::ray_cast).
     #[must_use]
     pub fn ray_cast_all(&self, ray: &Ray, mut wanted: impl FnMut(&Traits) -> bool) -> Vec<BodyRayHit> {
         let mut hits = Vec::new();

@@ -83,7 +83,7 @@ impl<T> Slots<T> {
         (0..self.slots.len() as u32).filter_map(|index| self.at(index))
     }
 
-    /// Returns the generations of all slots, and the list of free slots.
+    /// Returns the generation of each slot, and the indices of the free slots.
     pub(super) fn places(&self) -> (Vec<u32>, Vec<u32>) {
         (self.slots.iter().map(|slot| slot.generation).collect(), self.free.clone())
     }

@@ -8,7 +8,8 @@ use super::super::dynamic::{DynamicBvh, DynamicNode};
 use super::linked::{Below, Linked, LinkedNode};
 use crate::volume::Aabb;
 
-/// A tree into which boxes are inserted, and from which they are removed, one at a time.
+/// A tree into which boxes are inserted, and from which they are removed, one at a time. Each box
+/// has a number that identifies it until it is removed.
 ///
 /// ```
 /// use impinge::hierarchy::DynamicTree;
@@ -53,8 +54,8 @@ impl DynamicTree {
         self.bvh.leaf_of(number).map(|leaf| &self.bvh.node(leaf).bounds)
     }
 
-    /// Inserts a box, which must not be empty, and returns its number: the number that was freed
-    /// last, or else the next.
+    /// Inserts a box, which must not be empty, and returns the number that identifies it. The
+    /// number freed last is used again; if no number is free, the smallest unused number is taken.
     ///
     /// # Complexity
     /// A bounded number of steps.
@@ -100,7 +101,8 @@ impl DynamicTree {
     }
 
     /// Returns the boxes as a [`BinaryTree`] with at most `capacity` boxes in a leaf. `capacity` is
-    /// clamped to 1 to [`LEAF_CAPACITY`]. The order of the tree lists the numbers of the boxes.
+    /// clamped to 1 to [`LEAF_CAPACITY`]. [`BinaryTree::order`] lists the numbers that identify the
+    /// boxes.
     #[must_use]
     pub fn to_binary(&self, capacity: usize) -> BinaryTree {
         let Some(root) = self.bvh.root() else { return BinaryTree::default() };

@@ -11,7 +11,7 @@ pub(in crate::hierarchy) const MAX_PLANES: u32 = 7;
 /// addresses for the same.
 pub(super) const ROOM: usize = 2 * MAX_ROWS + (MAX_TOGETHER << MAX_PLANES) + 560;
 
-/// Number of columns: three coordinates, and the number of the box in its cluster.
+/// Number of columns: three coordinates, and the index of the box in its cluster.
 pub(super) const WIDTH: usize = 4;
 pub(super) const NUMBER: usize = 3;
 
@@ -30,7 +30,7 @@ pub(in crate::hierarchy) struct Run {
     /// The slot of the run's first row. There is room for twice as many rows, and for one more
     /// vector for each part that planes can split off.
     pub(super) at: usize,
-    /// Maximum number of planes that may still split it.
+    /// Maximum number of planes that may still split the run.
     pub(super) planes: u32,
 }
 

@@ -4,7 +4,7 @@ use super::volume::NodeVolume;
 use crate::math::Pose;
 use crate::volume::Aabb;
 
-/// Boxes, stored by axis.
+/// The axis-aligned boxes of up to `N` children of a node, stored by axis in single precision.
 #[derive(Clone, Copy, Debug)]
 pub struct AabbLanes<const N: usize> {
     min: [[f32; N]; 3],

@@ -62,8 +62,8 @@ struct GenericNode<V: NodeVolume, const DEGREE: usize> {
 impl<V: NodeVolume, const DEGREE: usize> GenericTree<V, DEGREE> {
     /// Builds the tree from a binary tree. It opens the nodes of the binary tree, the largest boxes
     /// first, until each node has `DEGREE` children. It fits the volumes to the points that
-    /// `points_of` appends for an item; each item needs at least one point. Returns `None` if no
-    /// volume can be fitted to some points.
+    /// `points_of` appends for an item; each item needs at least one point. All points are in one
+    /// frame, the frame of the tree. Returns `None` if no volume can be fitted to some points.
     ///
     /// # Complexity
     /// O(n) fits of the points of an item. With [`Enclosure::Wrapped`] the fits process O(n log n)

@@ -40,8 +40,8 @@ pub struct ContactPatch {
     pub depth: f64,
     /// Curves in which the surfaces intersect in this region, in the world frame.
     pub curves: Curves,
-    /// Pairs of faces that intersect in this region, sorted: a face of the first mesh and a face of
-    /// the second.
+    /// Pairs of faces that intersect in this region, sorted: the index of a face of the first mesh,
+    /// then of a face of the second.
     pub pairs: Vec<[u32; 2]>,
     /// For each mesh, the indices of its vertices that are inside the other mesh and connected to
     /// the curves of this region, in ascending order. Of several vertices at one position only the

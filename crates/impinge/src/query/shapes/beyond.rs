@@ -4,8 +4,9 @@
 
 use crate::math::vec3::{Vector, cross, dot, scaled_length as length};
 
-/// Returns the shortest vector that lies beyond all planes, each given by its unit normal and its
-/// height along it. Returns `None` if no candidate from up to three planes lies beyond all.
+/// Returns the shortest vector that lies beyond all planes. Each plane is given by its unit normal
+/// and its signed distance from the origin. Returns `None` if no candidate from up to three planes
+/// lies beyond all.
 pub(super) fn shortest_beyond(planes: &[(Vector, f64)]) -> Option<Vector> {
     let is_beyond = |point: &Vector| {
         planes.iter().all(|(normal, height)| dot(normal, point) >= height - 1e-9 * (height.abs() + length(point)))

@@ -11,7 +11,7 @@ use crate::shape::{Form, PlacedShape};
 /// Contacts of two things, or of one part of each, that share one normal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manifold {
-    /// Direction of length 1 from the first thing to the second, in the world frame.
+    /// Direction of length 1 from the first thing to the second, in the world frame, rounded.
     pub normal: [f64; 3],
     /// Contact points in the order of their ids; at least one.
     pub points: Vec<ContactPoint>,
@@ -38,9 +38,9 @@ pub struct ContactPoint {
 /// the next as long as the contact exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ContactId {
-    /// Part of the first thing; 0 if it has only one part.
+    /// Index of the part of the first thing; 0 if it has only one part.
     pub part_a: u32,
-    /// Part of the second thing; 0 if it has only one part.
+    /// Index of the part of the second thing; 0 if it has only one part.
     pub part_b: u32,
     /// Corner, edge or face of the part of the first thing.
     pub feature_a: Feature,

@@ -145,7 +145,7 @@ impl<'s> Spheres<'s> {
         Self { parts, known: vec![None; parts.len()] }
     }
 
-    /// Returns the parts whose boxes contain a point, with their numbers.
+    /// Returns the parts whose boxes contain a point, with their indices.
     fn near<'p>(parts: &'p [PlacedShape], point: &Vector) -> impl Iterator<Item = (usize, &'p PlacedShape)> {
         parts.iter().enumerate().filter(move |(_, part)| {
             let is_outside = |[min, max]: [Vector; 2]| (0..3).any(|k| point[k] < min[k] || point[k] > max[k]);
