@@ -12,7 +12,7 @@ from impinge import _impinge
 
 @dataclass(frozen=True, eq=False)
 class Origin:
-    """Origin of the faces of a mesh that was loaded from a file.
+    """Where the faces of a loaded mesh come from: file, format and unit, polygons and parts.
 
     Attributes
     ----------
@@ -23,11 +23,12 @@ class Origin:
     unit : str or None
         Unit of the vertices, such as ``"mm"``, if known.
     polygons : (m,) uint32 array
-        For each face, the index of the polygon in the file that it is a part of, counted from zero.
+        For each face, the index of the polygon that it is a piece of. Polygons are counted from
+        zero through the whole file.
     part_of : (m,) uint32 array
         For each face, the index into `parts` of the part that it belongs to.
     parts : tuple of str
-        Names of the parts; empty if the file has none.
+        Names of the parts that have faces; a name is empty if the file gives none.
     """
 
     path: str
@@ -43,5 +44,5 @@ class Origin:
 
 
 def origin_of(model: _impinge.Model, path: str) -> Origin:
-    """Return the origin of the faces of a loaded model."""
+    """Return where the faces of a loaded model come from: its polygons, parts, unit and file."""
     return Origin(path, model.format, model.unit, model.sources, model.part_of, tuple(model.parts))

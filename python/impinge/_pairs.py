@@ -12,7 +12,7 @@ from impinge._ragged import Ragged
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Pairs(Ragged[NDArray[np.uint32]]):
-    """Pairs of faces for each of many poses: rows of different lengths, concatenated.
+    """Pairs of intersecting faces for each of many poses, concatenated pose by pose.
 
     Attributes
     ----------
@@ -20,7 +20,7 @@ class Pairs(Ragged[NDArray[np.uint32]]):
         Start of each pose's pairs: the pairs of pose ``i``, in row-major order of the leading axes,
         are ``rows[offsets[i]:offsets[i + 1]]``.
     rows : (k, 2) uint32 array
-        (Face of a, face of b); for each pose sorted and without duplicates.
+        Indices of a face of mesh a and a face of mesh b; for each pose sorted, without duplicates.
     shape : tuple of int
         The leading axes of the poses; their product is ``n``.
 

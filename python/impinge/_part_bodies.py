@@ -67,7 +67,7 @@ class PartBodies:
         owner: int | None = None,
         tag: int = 0,
     ) -> PartBodies:
-        """Insert a body into a world for each part of a character, at its place in a pose.
+        """Insert the parts of a character into a world: one body for each part, posed as in `pose`.
 
         Parameters
         ----------
@@ -78,10 +78,10 @@ class PartBodies:
         kind, layers, meets
             As for `World.insert`.
         owner : int, optional
-            A number that only this character uses. Without it, overlapping parts collide with each
-            other.
+            A number that only this character uses, so that its parts do not collide with each
+            other. If it is None, overlapping parts collide.
         tag : int
-            Tag of the first part; the following parts have the following numbers.
+            Tag of the first part; part ``i`` gets ``tag + i``.
 
         Raises
         ------
@@ -134,14 +134,14 @@ class PartBodies:
         Returns
         -------
         bodies : (p,) uint64 array
-            Handles.
+            Handles of the bodies.
         poses : (p, 4, 4) float64 array
-            World from body.
+            Poses of the bodies, world from body.
 
         Raises
         ------
         InputError
-            If it is a pose of another character.
+            If `pose` is not a `CharacterPose`, or is a pose of another character.
         """
         _check_pose(pose)
         if pose.character is not self.character:
@@ -149,12 +149,12 @@ class PartBodies:
         return self.bodies, pose._core.body_poses()
 
     def remove(self, world: World) -> None:
-        """Remove the bodies from their world.
+        """Remove the bodies from the world that they were inserted into.
 
         Raises
         ------
         InputError
-            If one of them was removed before. Nothing is removed then.
+            If one of the bodies was removed before. Nothing is removed then.
         """
         world.remove(self.bodies)
 

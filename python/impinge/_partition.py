@@ -76,19 +76,19 @@ class Partition:
 
     @property
     def bounds(self) -> NDArray[np.float64] | None:
-        """Lower and upper corners (2, 3) of a box that contains all boxes; None if there are none.
+        """Lower and upper corners (2, 3) of a box around all boxes; None if there are no boxes.
 
-        It may be larger than necessary after boxes were removed.
+        They are in the frame of the boxes. The box may be too large after boxes were removed.
         """
         return self._core.bounds()
 
     @property
     def cells(self) -> Literal["disjoint", "loose", "volumes", "order"]:
-        """Kind of subdivision of space.
+        """How the partition subdivides space.
 
-        ``"disjoint"`` cells share no inner point. ``"loose"`` cells are enlarged until each box
-        fits into one. ``"volumes"`` around boxes may overlap. ``"order"`` means that there are no
-        cells, only the order of the boxes along axes.
+        ``"disjoint"``: no two cells of one level share an inner point. ``"loose"``: cells are
+        enlarged until each box fits into one. ``"volumes"``: the cells are volumes around boxes,
+        and may overlap. ``"order"``: there are no cells; boxes are only sorted along axes.
         """
         return self._core.cells()
 
@@ -103,7 +103,7 @@ class Partition:
         Returns
         -------
         (n, 2, 3) float64 array
-            Lower and upper corners of the boxes.
+            Lower and upper corners of the boxes, exactly as they were inserted or last moved.
 
         Raises
         ------
@@ -113,7 +113,7 @@ class Partition:
         return self._core.boxes(self.keys if keys is None else _keys(keys, "keys"))
 
     def overlapping(self, low: ArrayLike, high: ArrayLike | None = None) -> NDArray[np.uint32] | Keys:
-        """Return the keys of the boxes that overlap given boxes or points.
+        """Return the keys of the boxes that overlap given boxes or points; touching counts.
 
         Parameters
         ----------
@@ -145,7 +145,7 @@ class Partition:
         return Keys(offsets, keys, tuple(shape)) if shape else keys
 
     def ray_cast(self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf) -> BoxHit:
-        """Return the first box that each ray enters: at the smallest parameter, then by key.
+        """Return the first box that each ray enters; at equal `t`, the one with the smallest key.
 
         No box that a ray enters is missed. A ray that misses a box by a relative distance of 2^-50
         may count as entering it.
@@ -155,9 +155,10 @@ class Partition:
         origins : (..., 3) array_like of float32 or float64
             In the frame of the boxes, below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
-            With a length from 2^-600 to 2^300. The leading axes of both broadcast as in NumPy.
+            In the frame of the boxes, with a length from 2^-600 to 2^300. The leading axes of both
+            broadcast as in NumPy.
         reach : float
-            Maximum ray parameter, in units of the directions' lengths.
+            Maximum ray parameter, in units of the directions' lengths; at least zero.
 
         Returns
         -------
@@ -205,14 +206,14 @@ class Partition:
         return BoxHits(offsets, t, key, tuple(shape)) if shape else BoxHit(t, key)
 
     def nearest(self, points: ArrayLike, count: int = 1) -> Nearest:
-        """Return the boxes that are nearest to points.
+        """Return the `count` boxes that are nearest to each point.
 
         Parameters
         ----------
         points : (..., 3) array_like of float32 or float64
             In the frame of the boxes, below 2^320 in magnitude.
         count : int
-            Number of boxes for each point.
+            Number of boxes for each point, at least zero.
 
         Returns
         -------
@@ -222,7 +223,7 @@ class Partition:
         Raises
         ------
         InputError
-            If a number is out of range, or if `count` is not an integer.
+            If a number is out of range, or if `count` is not an integer of at least zero.
 
         Examples
         --------
@@ -235,14 +236,17 @@ class Partition:
         return Nearest(*_impinge.partition_nearest(self._core, points, whole(count, "count")))
 
     def pairs(self) -> NDArray[np.uint32]:
-        """Return the keys of all overlapping pairs, (k, 2), sorted, the smaller key first."""
+        """Return the keys of all pairs of overlapping boxes, (k, 2), sorted; touching counts.
+
+        The smaller key of a pair is first.
+        """
         return _impinge.partition_pairs(self._core)
 
     def pairs_with(self, other: Partition) -> NDArray[np.uint32]:
         """Return all overlapping pairs of a box of this partition and a box of another partition.
 
-        The result has shape (k, 2), with the key in this partition first, and is sorted. Both
-        partitions are taken to be in the same frame.
+        The result holds keys, (k, 2), with the key in this partition first, and is sorted. Both
+        partitions must be in the same frame. Touching counts.
 
         Raises
         ------
@@ -271,7 +275,8 @@ class DynamicPartition(Partition):
             several times, its last box is used. Memory grows with the largest key, so use dense
             keys: a key of at least 2^20 is rejected if it is 16 times the number of boxes.
         low, high : (n, 3) array_like of float32 or float64
-            New lower and upper corners, as for `overlapping`.
+            New lower and upper corners, in the frame of the boxes, below 2^320 in magnitude.
+            Without `high`, boxes are points.
         removed : (m,) array_like of integers
             Keys of existing boxes to remove.
 

@@ -12,7 +12,7 @@ from impinge._ragged import Ragged
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Keys(Ragged[NDArray[np.uint32]]):
-    """Boxes found by each of many queries, concatenated query by query.
+    """Keys of the boxes that each of many queries found, concatenated query by query.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Keys(Ragged[NDArray[np.uint32]]):
 
 @dataclass(frozen=True, eq=False)
 class BoxHit:
-    """Boxes that rays enter; plain numbers for the first box of a single ray.
+    """The first box that each ray enters, as plain numbers for one ray; or all boxes of one ray.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class BoxHits(Ragged[BoxHit]):
 
 @dataclass(frozen=True, eq=False)
 class Nearest:
-    """Boxes that are nearest to points, sorted by distance, then by key.
+    """For each point the boxes that are nearest to it, sorted by distance, then by key.
 
     Attributes
     ----------
@@ -111,14 +111,14 @@ class Nearest:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Changes:
-    """Pairs of boxes that a step changed; sorted, the smaller key first.
+    """Pairs of boxes that began or stopped overlapping in a step; sorted, the smaller key first.
 
     Attributes
     ----------
     began : (k, 2) uint32 array
         Keys of the pairs that overlap now and did not before.
     ended : (k, 2) uint32 array
-        Keys of the pairs that overlapped before and do not now.
+        Keys of the pairs that overlapped before and do not now; a removed box ends its pairs.
     """
 
     began: NDArray[np.uint32]

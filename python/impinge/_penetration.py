@@ -16,20 +16,21 @@ from impinge._shape import AnyShape
 
 @dataclass(frozen=True, eq=False)
 class Penetration:
-    """Penetration depth of two things with proved bounds; arrays if the poses have leading axes.
+    """Penetration depth of two meshes or shapes; arrays if the poses have leading axes.
 
     Attributes
     ----------
     depth : float or (...) float64 array
-        Equal to `upper`; zero if `a` and `b` are apart.
+        Penetration depth in world units, equal to `upper`; zero if `a` and `b` are apart.
     lower, upper : float or (...) float64 array
-        Bounds of the penetration depth, in world units. Moving `b` by `upper` along the normal
-        separates the interiors; no translation shorter than `lower` does. `upper` is infinite if
-        no such translation is known.
+        Proved bounds of the penetration depth, in world units; zero if `a` and `b` are apart.
+        Moving `b` by `upper` along the normal separates the interiors; no translation shorter than
+        `lower` does. `upper` is infinite if no such translation is known.
     normal : (..., 3) float64 array
         Unit vector from `a` to `b`, in the world frame; zero if they are apart.
     point_a, point_b : (..., 3) float64 array
-        Deepest point of each in the other, in the world frame, rounded; zero if they are apart.
+        The point of `a` that is deepest in `b`, and the point of `b` that is deepest in `a`, in the
+        world frame, rounded; zero if they are apart.
     hit : bool or (...) bool array
         Whether `a` and `b` intersect; True if that is undecided.
     """
@@ -68,7 +69,7 @@ def penetration(
         The two things. A mesh is treated as a solid: its surface and all points with a winding
         number above 1/2 in magnitude.
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
-        World from mesh; None is the identity. Leading axes broadcast as in NumPy.
+        World from mesh or shape; None is the identity. Leading axes broadcast as in NumPy.
     on_error : {"raise", "status"}
         As for `intersects`. For an invalid pose the bounds are zero and infinity, the vectors are
         zero, and `hit` is True.

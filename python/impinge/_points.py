@@ -20,12 +20,12 @@ class ClosestPoint:
     point : (..., 3) float64 array
         Nearest point in the mesh frame, rounded; zero if the mesh is empty.
     distance : float or (...) float64 array
-        Equal to `upper`.
+        Distance to the nearest point, equal to `upper`.
     lower, upper : float or (...) float64 array
-        Bounds of the true distance, in the unit of the mesh; infinite if the mesh is empty.
+        Proved bounds of the distance, in the unit of the mesh; infinite if the mesh is empty.
     face : int or (...) int64 array
-        Face that contains the nearest point, the first if several are equally near; -1 if the mesh
-        is empty.
+        Index of the face that contains the nearest point, the first if several are equally near;
+        -1 if the mesh is empty.
     """
 
     point: NDArray[np.float64]
@@ -37,20 +37,21 @@ class ClosestPoint:
 
 @dataclass(frozen=True, eq=False)
 class RayHit:
-    """Hits of rays on a mesh; plain numbers for a single ray.
+    """Hits of rays on a mesh or shape; plain numbers for the first hit of a single ray.
 
     Attributes
     ----------
     hit : bool or (...) bool array
-        Whether the ray hits the mesh.
+        Whether the ray hits the mesh or shape.
     t : float or (...) float64 array
-        Ray parameter of the hit, in units of the direction's length, with a relative error of at
-        most 2^-40; infinite if the ray misses.
+        Ray parameter of the hit, in units of the direction's length; infinite if the ray misses.
+        For a mesh the relative error is at most 2^-40; for a shape see `Shape.ray_cast`.
     face : int or (...) int64 array
-        Face that is hit, the first if several are hit in one point; -1 if the ray misses.
+        Index of the face that is hit, the first if several are hit in one point; -1 if the ray
+        misses, or if no face of a mesh is hit.
     point : (..., 3) float64 array
-        Point of the hit in the mesh frame, rounded; zero if the ray misses. If the direction is so
-        short that `t` is the largest float, the point of the ray at that `t`.
+        Point of the hit in the frame of the mesh or shape, rounded; zero if the ray misses. If the
+        direction is so short that `t` is the largest float, the point of the ray at that `t`.
     """
 
     hit: bool | NDArray[np.bool_]
@@ -61,7 +62,7 @@ class RayHit:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RayHits(Ragged[RayHit]):
-    """All hits of many rays, concatenated ray by ray.
+    """All hits of many rays on a mesh, concatenated ray by ray.
 
     Attributes
     ----------
@@ -71,7 +72,7 @@ class RayHits(Ragged[RayHit]):
     t : (k,) float64 array
         Ray parameters of the hits, as in `RayHit`.
     face : (k,) int64 array
-        Faces that are hit.
+        Indices of the faces that are hit.
     point : (k, 3) float64 array
         Points of the hits in the mesh frame, rounded.
     shape : tuple of int

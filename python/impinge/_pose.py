@@ -36,7 +36,8 @@ def pose(
         Roll, pitch and yaw in radians, as in URDF: rotations about the fixed x, y and z axes, in
         that order.
     rotation : (..., 3, 3) array_like, optional
-        The linear part itself, rows first, for column vectors; used unchanged.
+        The linear part itself, rows first, for column vectors. It is used unchanged, and may scale
+        or shear.
 
     Returns
     -------

@@ -14,7 +14,7 @@ Row = TypeVar("Row")
 
 
 class Ragged(ABC, Generic[Row]):
-    """A sequence of results over the first leading axis; subclasses define how arrays are split.
+    """Results of different lengths for many rows, as a sequence over the first leading axis.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Ragged(ABC, Generic[Row]):
         return self.shape[0]
 
     def __getitem__(self, index: int | tuple[int, ...]) -> Row | Self:
-        """Return the entries of one row, or of all rows below a shorter `index`, as views."""
+        """Return the entries of one row as views, or of several rows if `index` has fewer items."""
         place = index if isinstance(index, tuple) else (index,)
         if len(place) > len(self.shape):
             raise IndexError(f"{len(place)} indices for {len(self.shape)} leading axes")

@@ -20,13 +20,14 @@ from impinge._shape import AnyShape, Shape
 
 
 class SceneReport:
-    """Pairs of parts that `Scene.check` found to answer its question, for each configuration.
+    """Pairs of parts that `Scene.check` found in each configuration.
+
+    A pair is found if the question of the check was answered with yes, or was left undecided.
 
     Attributes
     ----------
     intersects : bool or (...) bool array
-        Whether any pair was found, whatever the question, for each configuration. An undecided pair
-        counts as found.
+        For each configuration, whether any pair was found, whatever the question was.
     status : (...) uint8 array or None
         The `Status` of each configuration with ``on_error="status"``, otherwise None.
     """
@@ -52,14 +53,17 @@ class SceneReport:
 
     @cached_property
     def first(self) -> int | NDArray[np.int64]:
-        """Index into `pairs` of the first pair found in each configuration; -1 if none was."""
+        """For each configuration, the smallest index into `pairs` of a pair found; -1 if none."""
         starts = zip(self._offsets[:-1].tolist(), self._offsets[1:].tolist(), strict=True)
         first = [self._number(self._pair(start)) if start < end else -1 for start, end in starts]
         return np.array(first, np.int64).reshape(self._shape) if self._shape else first[0]
 
     @cached_property
     def meets(self) -> NDArray[np.bool_] | None:
-        """Whether each pair was found, (..., p); None if the check stopped at the first pair."""
+        """For each configuration, whether each of the p `pairs` was found, (..., p).
+
+        None if the check stopped at the first pair.
+        """
         if self._stopped_at_first:
             return None
         meets = np.zeros((len(self._offsets) - 1, self._count), bool)
@@ -83,7 +87,9 @@ class SceneReport:
 
     @property
     def worst(self) -> tuple[int, ...]:
-        """Index into the leading axes of the first configuration with the most pairs found.
+        """The configuration with the most pairs found, as an index into the leading axes.
+
+        If several have as many, it is the first of them.
 
         Raises
         ------

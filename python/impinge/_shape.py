@@ -57,7 +57,7 @@ class Shape(_impinge.ShapeBase):
         Parameters
         ----------
         radius : float
-            At least zero.
+            In the unit of the shape, at least zero.
         center : (3,) array_like of float32 or float64
             In the frame of the shape.
 
@@ -77,7 +77,7 @@ class Shape(_impinge.ShapeBase):
         start, end : (3,) array_like of float32 or float64
             Ends of the segment, in the frame of the shape.
         radius : float
-            At least zero.
+            In the unit of the shape, at least zero.
 
         Raises
         ------
@@ -94,7 +94,7 @@ class Shape(_impinge.ShapeBase):
         Parameters
         ----------
         half_extents : (3,) array_like of float32 or float64
-            Half the lengths along the axes, at least zero.
+            Half the lengths along the axes, in the unit of the shape, at least zero.
 
         Raises
         ------
@@ -110,7 +110,7 @@ class Shape(_impinge.ShapeBase):
         Parameters
         ----------
         half_height, radius : float
-            At least zero.
+            In the unit of the shape, at least zero.
 
         Raises
         ------
@@ -126,7 +126,7 @@ class Shape(_impinge.ShapeBase):
         Parameters
         ----------
         half_height, radius : float
-            Half the height and the radius of the base, at least zero.
+            Half the height and the radius of the base, in the unit of the shape, at least zero.
 
         Raises
         ------
@@ -142,7 +142,7 @@ class Shape(_impinge.ShapeBase):
         Parameters
         ----------
         half_axes : (3,) array_like of float32 or float64
-            Half the lengths along the axes, at least zero.
+            Half the lengths along the axes, in the unit of the shape, at least zero.
 
         Raises
         ------
@@ -174,10 +174,11 @@ class Shape(_impinge.ShapeBase):
         Parameters
         ----------
         normal : (3,) array_like of float32 or float64
-            Normal out of the half-space, with a length of at least 2^-600. It points up for a
-            floor.
+            Normal out of the half-space, in the frame of the shape, with a length of at least
+            2^-600. It points up for a floor.
         level : float
-            Distance of the plane from the origin along the normal, times the length of the normal.
+            Distance of the plane from the origin along the normal, times the length of the normal,
+            in the unit of the shape.
 
         Raises
         ------
@@ -231,8 +232,8 @@ class Shape(_impinge.ShapeBase):
         Parameters
         ----------
         parts : iterable of (Shape or Mesh, (4, 4) array_like or None)
-            The shapes, each with its pose in the frame of the compound. A part that is itself a
-            compound is replaced by its own parts, each with its own index in contacts.
+            The shapes, each with its pose, compound from part; None is the identity. A part that is
+            itself a compound is replaced by its own parts, each with its own index in contacts.
 
         Raises
         ------
@@ -261,7 +262,7 @@ class Shape(_impinge.ShapeBase):
 
     @property
     def bounds(self) -> NDArray[np.float64] | None:
-        """Lower and upper corners (2, 3) of a box that contains the shape, in its own frame.
+        """Lower and upper corners (2, 3) of a box that contains the shape, in the shape's frame.
 
         None if the shape is unbounded or empty.
         """
@@ -276,7 +277,8 @@ class Shape(_impinge.ShapeBase):
         origins : (..., 3) array_like of float32 or float64
             In the frame and unit of the shape, below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
-            With a length from 2^-600 to 2^300. The leading axes of both broadcast as in NumPy.
+            In the frame of the shape, with a length from 2^-600 to 2^300. The leading axes of both
+            broadcast as in NumPy.
 
         Returns
         -------

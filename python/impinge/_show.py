@@ -50,7 +50,7 @@ def show(
     a, b : Mesh
         The meshes.
     pose_a, pose_b : (4, 4) array_like, optional
-        World from mesh.
+        World from mesh; None is the identity.
     path : str or os.PathLike, optional
         A file to write the picture to, in the format of its extension.
     size : (int, int)

@@ -95,7 +95,7 @@ class World(WorldQueries):
         shape : Shape or Mesh
             Shape of all the bodies. A mesh is its surface in its current state.
         pose : (..., 4, 4) array_like of float32 or float64, optional
-            World from body, for one body or for many.
+            World from body, for one body or for many; None is the identity.
         kind : {"moving", "kinematic", "static"}
             Pairs without a ``"moving"`` body are skipped. No step can move a ``"static"`` body.
         layers, meets : int
@@ -120,8 +120,7 @@ class World(WorldQueries):
         Raises
         ------
         InputError
-            If an argument is invalid, or if a pose is not rigid and the shape is round. Nothing is
-            inserted then.
+            If an argument is invalid, or a round shape's pose is not rigid; nothing is inserted.
         """
         poses = np.eye(4) if pose is None else _arrays.plain_poses(pose, "pose")
         lead = poses.shape[:-2]
@@ -231,9 +230,9 @@ class World(WorldQueries):
         return scalar(self._core.tags(handles).reshape(lead))
 
     def bounds(self, bodies: ArrayLike) -> NDArray[np.float64]:
-        """Return lower and upper corners, (..., 2, 3), of world-frame boxes around bodies.
+        """Return lower and upper corners, (..., 2, 3), of world-frame boxes that contain bodies.
 
-        They are infinite for a body that is unbounded or empty.
+        They are -inf and inf for a body that is unbounded or empty.
 
         Raises
         ------
@@ -244,7 +243,7 @@ class World(WorldQueries):
         return self._core.bounds(handles).reshape(*lead, 2, 3)
 
     def set_poses(self, bodies: ArrayLike, poses: ArrayLike) -> None:
-        """Move bodies at once, static bodies included; the next step reports the changes.
+        """Move bodies immediately, static bodies too; the next step reports the changed pairs.
 
         Parameters
         ----------
@@ -254,7 +253,8 @@ class World(WorldQueries):
         Raises
         ------
         InputError
-            As for `step`. Nothing is moved then.
+            If a handle is stale, or a pose is invalid, or not rigid and the shape is round. The
+            error names the entry; no body is moved.
         """
         handles, lead = handles_of(bodies)
         self._core.set_poses(handles, poses_of(poses, lead))
@@ -280,14 +280,14 @@ class World(WorldQueries):
         Raises
         ------
         InputError
-            If a handle is stale, or if an option is invalid.
+            If a handle is stale, or if an option is invalid. Nothing is changed then.
         """
         handles, lead = handles_of(bodies)
         owners = None if owner is None else numbers_of(owner, "owner", lead)
         self._core.set_traits(handles, (kind, mask(layers, "layers"), mask(meets, "meets")), owners)
 
     def set_shape(self, body: int, shape: AnyShape) -> None:
-        """Replace the shape of the body with a handle; the next step reports the changes.
+        """Replace the shape of one body, given by its handle; the next step reports the changes.
 
         Raises
         ------
@@ -304,7 +304,7 @@ class World(WorldQueries):
         body : int
             Handle of the body.
         vertices : (n, 3) array_like of float32 or float64
-            As for `Mesh.refit`.
+            In the mesh frame, as for `Mesh.refit`.
 
         Returns
         -------

@@ -35,7 +35,7 @@ class Work:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Step:
-    """Pairs that began and ended to intersect at a step, sorted by the bodies' tags, then handles.
+    """Pairs that began or stopped intersecting at a step, sorted by tag, then by handle.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Step:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Bodies(Ragged[NDArray[np.uint64]]):
-    """Bodies found by each of many queries, concatenated query by query.
+    """Handles of the bodies that each of many queries found, concatenated query by query.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ class Bodies(Ragged[NDArray[np.uint64]]):
 
 @dataclass(frozen=True, eq=False)
 class BodyRayHit:
-    """Hits of rays on bodies; plain numbers for a single ray.
+    """Hits of rays on bodies of a world; plain numbers for the first hit of a single ray.
 
     Attributes
     ----------
@@ -117,7 +117,8 @@ class BodyRayHit:
     point : (..., 3) float64 array
         Point of the hit in the world frame, rounded; zero if the ray misses.
     face : int or (...) int64 array
-        Face of the mesh that is hit; -1 if no mesh is hit, or if the ray starts inside a solid one.
+        Index of the face of the mesh that is hit; -1 if no mesh is hit, or if the ray starts inside
+        a solid mesh.
     """
 
     hit: bool | NDArray[np.bool_]
@@ -129,7 +130,7 @@ class BodyRayHit:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BodyRayHits(Ragged[BodyRayHit]):
-    """All bodies that each of many rays hits, concatenated ray by ray.
+    """All bodies that each of many rays hits, each at its first hit, concatenated ray by ray.
 
     Attributes
     ----------

@@ -24,14 +24,15 @@ class WorldQueries:
     def ray_cast(
         self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf, layers: int = ALL_LAYERS
     ) -> BodyRayHit:
-        """Return the first body that each ray hits: with the smallest `t`, then by tag and handle.
+        """Return the first body that each ray hits: by smallest `t`, then by tag, then by handle.
 
         Parameters
         ----------
         origins : (..., 3) array_like of float32 or float64
             In the world frame, below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
-            With a length from 2^-600 to 2^300. The leading axes of both broadcast as in NumPy.
+            In the world frame, with a length from 2^-600 to 2^300. The leading axes of both
+            broadcast as in NumPy.
         reach : float
             Maximum ray parameter, in units of the directions' lengths; at least zero.
         layers : int
@@ -63,7 +64,7 @@ class WorldQueries:
     def ray_cast_all(
         self, origins: ArrayLike, directions: ArrayLike, *, reach: float = np.inf, layers: int = ALL_LAYERS
     ) -> BodyRayHit | BodyRayHits:
-        """Return every body that each ray hits, at its first hit, in order along the ray.
+        """Return all bodies that each ray hits, in order along the ray, each at its first hit.
 
         Parameters
         ----------
@@ -115,7 +116,9 @@ class WorldQueries:
         return _bodies(_impinge.world_overlapping(self._core, shape, pose, mask(layers, "layers")))
 
     def in_boxes(self, low: ArrayLike, high: ArrayLike, *, layers: int = ALL_LAYERS) -> NDArray[np.uint64] | Bodies:
-        """Return the bodies whose boxes overlap given boxes: fast, but may include too many.
+        """Return the bodies whose boxes overlap given boxes.
+
+        It is fast, but the bodies themselves need not overlap the given boxes. Touching counts.
 
         Parameters
         ----------
@@ -139,6 +142,8 @@ class WorldQueries:
 
     def at_points(self, points: ArrayLike, *, layers: int = ALL_LAYERS) -> NDArray[np.uint64] | Bodies:
         """Return the bodies that contain points; a surface mesh contains the points on it.
+
+        Undecided bodies are included, as with `overlapping`.
 
         Parameters
         ----------

@@ -102,7 +102,7 @@ def minimal_sphere(points: ArrayLike) -> Sphere:
     Parameters
     ----------
     points : (n, 3) array_like of float32 or float64
-        The points.
+        At least one point; the result is in the frame and unit of the points.
 
     Returns
     -------
@@ -113,7 +113,7 @@ def minimal_sphere(points: ArrayLike) -> Sphere:
     Raises
     ------
     InputError
-        As for all functions of `impinge.fit`.
+        If there are no points, or if an argument is invalid (see `impinge.fit`).
 
     Examples
     --------
@@ -134,7 +134,7 @@ def sphere(
     Parameters
     ----------
     points : (n, 3) array_like of float32 or float64
-        The points.
+        At least one point; the result is in the frame and unit of the points.
     method : {"minimal", "mean", "box", "ritter", "principal", "refined"}
         ``"minimal"`` is the smallest sphere, to within rounding. ``"mean"`` is centered at the mean
         of the points, ``"box"`` at the center of the axis-aligned box. ``"ritter"`` is Ritter's
@@ -144,11 +144,12 @@ def sphere(
     Returns
     -------
     Sphere
+        A sphere whose radius is rounded up, so that it contains every point.
 
     Raises
     ------
     InputError
-        As for all functions of `impinge.fit`, or if there is no such method.
+        If there are no points, or if an argument is invalid (see `impinge.fit`).
     """
     return sphere_of(_fitted(points, f"{chosen(method, _SPHERES, 'method')} sphere"))
 
@@ -159,16 +160,17 @@ def aabb(points: ArrayLike) -> Aabb:
     Parameters
     ----------
     points : (n, 3) array_like of float32 or float64
-        The points.
+        At least one point; the result is in the frame and unit of the points.
 
     Returns
     -------
     Aabb
+        The box, whose corners are exact.
 
     Raises
     ------
     InputError
-        As for all functions of `impinge.fit`.
+        If there are no points, or if an argument is invalid (see `impinge.fit`).
     """
     return aabb_of(_fitted(points, "aabb"))
 
@@ -179,7 +181,7 @@ def obb(points: ArrayLike, method: Literal["least", "principal"] = "least") -> O
     Parameters
     ----------
     points : (n, 3) array_like of float32 or float64
-        The points.
+        At least one point; the result is in the frame and unit of the points.
     method : {"least", "principal"}
         ``"least"`` has nearly the smallest volume: at most 6 sqrt(6) times the minimum, and mostly
         close to it. ``"principal"`` is aligned with the principal axes; it is faster, and may be
@@ -188,11 +190,12 @@ def obb(points: ArrayLike, method: Literal["least", "principal"] = "least") -> O
     Returns
     -------
     Obb
+        A box whose half-extents are rounded up, so that it contains every point.
 
     Raises
     ------
     InputError
-        As for all functions of `impinge.fit`, or if there is no such method.
+        If there are no points, or if an argument is invalid (see `impinge.fit`).
     """
     return obb_of(_fitted(points, f"{chosen(method, _OBBS, 'method')} obb"))
 
@@ -205,16 +208,17 @@ def capsule(points: ArrayLike) -> Capsule:
     Parameters
     ----------
     points : (n, 3) array_like of float32 or float64
-        The points.
+        At least one point; the result is in the frame and unit of the points.
 
     Returns
     -------
     Capsule
+        A capsule whose radius is rounded up, so that it contains every point.
 
     Raises
     ------
     InputError
-        As for all functions of `impinge.fit`.
+        If there are no points, or if an argument is invalid (see `impinge.fit`).
     """
     return capsule_of(_fitted(points, "capsule"))
 
@@ -228,16 +232,17 @@ def lozenge(points: ArrayLike) -> Lozenge:
     Parameters
     ----------
     points : (n, 3) array_like of float32 or float64
-        The points.
+        At least one point; the result is in the frame and unit of the points.
 
     Returns
     -------
     Lozenge
+        A lozenge whose radius is rounded up, so that it contains every point.
 
     Raises
     ------
     InputError
-        As for all functions of `impinge.fit`.
+        If there are no points, or if an argument is invalid (see `impinge.fit`).
     """
     return lozenge_of(_fitted(points, "lozenge"))
 
@@ -248,7 +253,7 @@ def kdop(points: ArrayLike, k: Literal[14, 18, 26] = 18) -> Kdop:
     Parameters
     ----------
     points : (n, 3) array_like of float32 or float64
-        The points.
+        At least one point; the result is in the frame and unit of the points.
     k : {14, 18, 26}
         Number of faces. Their normals point to the faces of a cube, and to its corners (14), its
         edges (18), or both (26).
@@ -256,11 +261,12 @@ def kdop(points: ArrayLike, k: Literal[14, 18, 26] = 18) -> Kdop:
     Returns
     -------
     Kdop
+        The polytope; its planes are rounded outward, so that it contains every point.
 
     Raises
     ------
     InputError
-        As for all functions of `impinge.fit`, or if there is no such k.
+        If there are no points, or if an argument is invalid (see `impinge.fit`).
     """
     return kdop_of(_fitted(points, f"{chosen(k, _KDOPS, 'k')}-dop"))
 
@@ -273,7 +279,7 @@ def convex_hull(points: ArrayLike) -> Hull:
     Parameters
     ----------
     points : (n, 3) array_like of float32 or float64
-        The points.
+        At least one point.
 
     Returns
     -------
@@ -283,7 +289,7 @@ def convex_hull(points: ArrayLike) -> Hull:
     Raises
     ------
     InputError
-        As for all functions of `impinge.fit`.
+        If there are no points, or if an argument is invalid (see `impinge.fit`).
 
     Examples
     --------

@@ -84,7 +84,7 @@ def pairs(low: ArrayLike, high: ArrayLike | None = None) -> NDArray[np.uint32]:
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64
-        Lower and upper corners of the boxes. Without `high`, boxes are points.
+        Lower and upper corners of the boxes, in one frame. Without `high`, boxes are points.
 
     Returns
     -------
@@ -108,10 +108,11 @@ class BoxTree(DynamicPartition):
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64, optional
-        Lower and upper corners of the boxes to insert first.
+        Lower and upper corners of the boxes to insert first, in one frame. Without `high`, boxes
+        are points.
     margin : float
-        Distance by which a leaf extends beyond its box on every side, at least zero. A box that
-        moves less than this stays in its leaf.
+        Distance by which a leaf extends beyond its box on every side, in the unit of the boxes, at
+        least zero. A box that moves less than this stays in its leaf.
 
     Raises
     ------
@@ -132,12 +133,13 @@ class UniformGrid(DynamicPartition):
     Parameters
     ----------
     space : (2, 3) array_like of float32 or float64
-        Lower and upper corner of the block.
+        Lower and upper corner of the block, in the frame of the boxes.
     cell : float
-        Edge length of a cell; about twice that of a box is a good choice. The grid may have at most
-        2^24 cells.
+        Edge length of a cell in the unit of the boxes, above zero; about twice that of a box is a
+        good choice. The grid may have at most 2^24 cells.
     low, high : (n, 3) array_like of float32 or float64, optional
-        Lower and upper corners of the boxes to insert first.
+        Lower and upper corners of the boxes to insert first, in one frame. Without `high`, boxes
+        are points.
 
     Raises
     ------
@@ -158,9 +160,11 @@ class HashedGrid(DynamicPartition):
     Parameters
     ----------
     cell : float
-        Edge length of a cell; about twice that of a box is a good choice.
+        Edge length of a cell in the unit of the boxes, above zero; about twice that of a box is a
+        good choice.
     low, high : (n, 3) array_like of float32 or float64, optional
-        Lower and upper corners of the boxes to insert first.
+        Lower and upper corners of the boxes to insert first, in one frame. Without `high`, boxes
+        are points.
 
     Raises
     ------
@@ -183,10 +187,11 @@ class HierarchicalGrid(DynamicPartition):
     Parameters
     ----------
     cell : float
-        Edge length of the smallest cells: slightly larger than most boxes, or than the smallest
-        common size.
+        Edge length of the smallest cells, in the unit of the boxes, above zero. It should be
+        slightly larger than most boxes, or than the smallest common size.
     low, high : (n, 3) array_like of float32 or float64, optional
-        Lower and upper corners of the boxes to insert first.
+        Lower and upper corners of the boxes to insert first, in one frame. Without `high`, boxes
+        are points.
 
     Raises
     ------
@@ -210,9 +215,11 @@ class Octree(DynamicPartition):
     Parameters
     ----------
     space : (2, 3) array_like of float32 or float64
-        Lower and upper corner of the region that the root covers; boxes outside are in the root.
+        Lower and upper corner of the region that the root covers, in the frame of the boxes. Boxes
+        outside are in the root.
     low, high : (n, 3) array_like of float32 or float64, optional
-        Lower and upper corners of the boxes to insert first.
+        Lower and upper corners of the boxes to insert first, in one frame. Without `high`, boxes
+        are points.
 
     Raises
     ------
@@ -228,16 +235,19 @@ class Octree(DynamicPartition):
 
 @final
 class LooseOctree(DynamicPartition):
-    """A loose octree: cubes are enlarged to twice their width, so that small boxes are deep.
+    """A loose octree, whose cubes are enlarged to twice their width.
 
-    The method is that of Ulrich (2000).
+    So every box fits into a cube of about its size, wherever it is. The method is that of Ulrich
+    (2000).
 
     Parameters
     ----------
     space : (2, 3) array_like of float32 or float64
-        Lower and upper corner of the region that the root covers; boxes outside are in the root.
+        Lower and upper corner of the region that the root covers, in the frame of the boxes. Boxes
+        outside are in the root.
     low, high : (n, 3) array_like of float32 or float64, optional
-        Lower and upper corners of the boxes to insert first.
+        Lower and upper corners of the boxes to insert first, in one frame. Without `high`, boxes
+        are points.
 
     Raises
     ------
@@ -258,9 +268,11 @@ class SweepOneAxis(DynamicPartition):
     Parameters
     ----------
     axis : {"x", "y", "z"}
-        The axis to sort along: the axis along which the boxes are farthest apart.
+        The axis to sort along. The best choice is the axis along which the boxes are farthest
+        apart.
     low, high : (n, 3) array_like of float32 or float64, optional
-        Lower and upper corners of the boxes to insert first.
+        Lower and upper corners of the boxes to insert first, in one frame. Without `high`, boxes
+        are points.
 
     Raises
     ------
@@ -281,7 +293,8 @@ class SweepThreeAxes(DynamicPartition):
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64, optional
-        Lower and upper corners of the boxes to insert first.
+        Lower and upper corners of the boxes to insert first, in one frame. Without `high`, boxes
+        are points.
 
     Raises
     ------
@@ -297,14 +310,14 @@ class SweepThreeAxes(DynamicPartition):
 
 @final
 class KdTree(Partition):
-    """A k-d tree: cells split by axis-aligned planes; for points, and for queries of nearest boxes.
+    """A k-d tree, whose cells are split by axis-aligned planes.
 
-    Each box is in every cell that it overlaps.
+    It suits points, and queries of nearest boxes. Each box is in every cell that it overlaps.
 
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64
-        Lower and upper corners of the boxes. Without `high`, boxes are points.
+        Lower and upper corners of the boxes, in one frame. Without `high`, boxes are points.
 
     Raises
     ------
@@ -320,14 +333,14 @@ class KdTree(Partition):
 
 @final
 class BspTree(Partition):
-    """A BSP tree: cells split by the planes of the boxes' own faces, between boxes if possible.
+    """A BSP tree, whose cells are split by planes of the faces of boxes, between boxes if possible.
 
     It suits rooms and walls.
 
     Parameters
     ----------
     low, high : (n, 3) array_like of float32 or float64
-        Lower and upper corners of the boxes. Without `high`, boxes are points.
+        Lower and upper corners of the boxes, in one frame. Without `high`, boxes are points.
 
     Raises
     ------

@@ -6,8 +6,8 @@ use impinge_files::Unit;
 use crate::console;
 
 /// Ratios of sizes that suggest a mistaken unit, each with the factor by which a ratio may differ
-/// from it: inches or meters taken for millimeters. For 1000 the window is wider, because meshes of
-/// unlike size may differ too.
+/// from it. 25.4 suggests inches taken for millimeters; 1000 suggests meters taken for millimeters.
+/// For 1000 the window is wider, because meshes of unlike size may differ too.
 const SUSPICIOUS: [(f64, f64); 2] = [(25.4, 1.1), (1000.0, 2.0)];
 
 /// Returns the factors that convert lengths of A and of B to the finer of their units. A mesh

@@ -126,8 +126,8 @@ fn by_name(rig: &Rig, bones: impl Iterator<Item = u32>) -> HashMap<&str, Option<
     found
 }
 
-/// Loads a plan: the bones of each part of a rig, and optionally its name, its kind of volume, and
-/// the bone that its volume is fixed to.
+/// Loads a plan of the parts of a character. For each part it has the bones, and optionally the
+/// part's name, the kind of its volume, and the bone that the volume is fixed to.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read, is not valid TOML of this form, or names a bone or
@@ -138,7 +138,7 @@ pub fn load_plan(path: impl AsRef<Path>, rig: &Rig) -> Result<Plan, LoadError> {
     parse_plan(&text, rig).map_err(|e| e.in_file(path))
 }
 
-/// Parses a plan, as [`load_plan`] does.
+/// Parses a plan from TOML text, as [`load_plan`] does from a file.
 ///
 /// # Errors
 /// Returns an error as [`load_plan`] does; the path of the error is empty.
@@ -149,7 +149,7 @@ pub fn parse_plan(text: &str, rig: &Rig) -> Result<Plan, LoadError> {
     Ok(Plan { parts: parts.iter().enumerate().map(of_part).collect::<Result<_, _>>()? })
 }
 
-/// Loads a saved character with its volumes, without fitting.
+/// Loads a saved character with its volumes, without fitting. `rig` is the rig of the character.
 ///
 /// # Errors
 /// Returns an error as [`load_plan`] does, and if a part has no volume or the numbers of its volume
@@ -160,7 +160,7 @@ pub fn load_character(path: impl AsRef<Path>, rig: &Rig) -> Result<Character, Lo
     parse_character(&text, rig).map_err(|e| e.in_file(path))
 }
 
-/// Parses a saved character, as [`load_character`] does.
+/// Parses a saved character from TOML text, as [`load_character`] does from a file.
 ///
 /// # Errors
 /// Returns an error as [`load_character`] does; the path of the error is empty.

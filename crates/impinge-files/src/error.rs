@@ -193,7 +193,7 @@ impl LoadError {
         self.0.place.as_ref()
     }
 
-    /// Returns advice how to solve the problem; `None` if there is none.
+    /// Returns advice on how to solve the problem; `None` if there is no advice.
     #[must_use]
     pub fn hint(&self) -> Option<&'static str> {
         self.0.hint

@@ -18,7 +18,8 @@ use crate::{
 /// `sources` and `part_of` have one entry per triangle.
 #[derive(Clone, Debug)]
 pub struct Model {
-    /// The vertices, in the precision, frame and unit of the file.
+    /// The vertices, in the precision, frame and unit of the file; those of COLLADA are rotated so
+    /// that Z points up.
     pub positions: Positions,
     /// Three vertex indices per triangle; degenerate triangles are kept.
     pub faces: Vec<[u32; 3]>,
@@ -29,7 +30,7 @@ pub struct Model {
     /// The names of all parts that have triangles, in order of their first triangle. The name is
     /// empty if the file gives none.
     pub parts: Vec<String>,
-    /// The unit of length; `None` if the file states none.
+    /// The unit of the vertices; `None` if the file states none.
     pub unit: Option<Unit>,
     /// Content that was skipped or is unusual.
     pub warnings: Vec<Warning>,

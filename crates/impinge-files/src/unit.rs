@@ -70,7 +70,7 @@ impl fmt::Display for Unit {
     }
 }
 
-/// The error that a word is not a unit.
+/// The error that a word is not the symbol of a unit. Its text lists the symbols.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownUnit(String);
 

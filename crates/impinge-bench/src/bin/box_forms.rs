@@ -104,8 +104,8 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Returns the minimum time for all boxes, and their final corners. Rotations are of the original
-/// box; translations move the last one.
+/// Returns the minimum time for all boxes in seconds, and their final corners. Each rotation starts
+/// from the original box; each translation moves the result of the operation before.
 fn run(form: &Form, boxes: &[[Vector; 2]], poses: &[Pose], steps: &[Vector]) -> (f64, Vec<[Vector; 2]>) {
     let originals: Vec<[Vector; 2]> = boxes.iter().map(|&[min, max]| (form.from_corners)(min, max)).collect();
     let mut moved = originals.clone();

@@ -66,7 +66,7 @@ pub struct Provenance {
     pub sources: Vec<u32>,
     /// For each face, the index of its part in `parts`.
     pub part_of: Vec<u32>,
-    /// The names of the parts.
+    /// The names of the parts; a name is empty if the original file gives none.
     pub parts: Vec<String>,
     /// The unit of length; `None` if the original file states none.
     pub unit: Option<Unit>,

@@ -118,8 +118,8 @@ impl<'a> Body<'a> {
         }
         let left = trim_start(self.content.lines.rest()).len();
         if left > 0 && self.content.next().is_some() {
-            // A file with attributes that the header does not state cannot be read by tokens,
-            // because then lines are left.
+            // If the header omits attributes, reading by tokens takes too few tokens, and lines
+            // remain at the end.
             if self.by_tokens {
                 return Err(LoadError::syntax("the end of the file", self.line).at(self.content.place()));
             }

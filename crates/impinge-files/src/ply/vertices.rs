@@ -7,8 +7,8 @@ use super::header::Element;
 use super::{Values, skip_property};
 use crate::{error::LoadError, non_finite::NonFinite};
 
-/// Reads `x`, `y` and `z` of all rows of the element `vertex`. Non-finite vertices are replaced,
-/// and added to `non_finite` with their offset.
+/// Reads `x`, `y` and `z` of all rows of the element `vertex`. Non-finite vertices are moved to the
+/// first finite vertex and listed in `non_finite` with their offset.
 pub(super) fn read_vertices(
     element: &Element,
     values: &mut impl Values,

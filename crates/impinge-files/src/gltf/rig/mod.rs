@@ -69,7 +69,7 @@ pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Resul
     reader.into_rig()
 }
 
-/// The first joint that was made for a skin or for a node.
+/// A skin or a node, and the index of the first joint that was made for it.
 struct JointRange {
     skin: Option<u32>,
     node: Option<u32>,
@@ -79,9 +79,9 @@ struct JointRange {
 /// Numbers of entries of a mesh.
 #[derive(Clone, Copy)]
 struct MeshEntries {
-    /// Number of its morph targets: the maximum over its primitives.
+    /// Number of morph targets of the mesh: the maximum over its primitives.
     targets: usize,
-    /// Number of its primitives and their morph targets.
+    /// Number of primitives of the mesh and of their morph targets, together.
     entries: u64,
 }
 
