@@ -165,7 +165,7 @@ class CharacterPose:
 
     @property
     def frames(self) -> NDArray[np.float64]:
-        """Rigid poses (p, 4, 4), rounded: world from the bone that each part's volume is fixed to."""
+        """Rigid poses (p, 4, 4), rounded: world from the bone that a part's volume is fixed to."""
         return self._core.frames()
 
     @property
