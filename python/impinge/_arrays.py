@@ -18,7 +18,8 @@ _PLAIN: list[Literal["C_CONTIGUOUS", "ALIGNED"]] = ["C_CONTIGUOUS", "ALIGNED"]
 def plain_cloud(points: ArrayLike, name: str) -> NDArray[Any]:
     """Return points as a C-contiguous (n, 3) array of float32 or float64.
 
-    The array is not copied if possible. Raise an `InputError` if the type or the shape is wrong.
+    The array is not copied if possible. Raise an `InputError` if the type or the shape is wrong;
+    the values are not checked.
     """
     return _floats(points, name, (3,), cloud=True, wanted="an (n, 3) array")
 
@@ -26,7 +27,7 @@ def plain_cloud(points: ArrayLike, name: str) -> NDArray[Any]:
 def plain_points(points: ArrayLike, name: str) -> NDArray[np.float64]:
     """Return points as a C-contiguous (..., 3) float64 array, without a copy if possible.
 
-    Raise an `InputError` if the type or the shape is wrong.
+    Raise an `InputError` if the type or the shape is wrong; the values are not checked.
     """
     return _floats(points, name, (3,), cloud=False, wanted="a (3,) point, or (..., 3) of them")
 
@@ -34,7 +35,7 @@ def plain_points(points: ArrayLike, name: str) -> NDArray[np.float64]:
 def plain_poses(poses: ArrayLike, name: str) -> NDArray[np.float64]:
     """Return poses as a C-contiguous (..., 4, 4) float64 array, without a copy if possible.
 
-    Raise an `InputError` if the type or the shape is wrong.
+    Raise an `InputError` if the type or the shape is wrong; the values are not checked.
     """
     return _floats(poses, name, (4, 4), cloud=False, wanted="a (4, 4) matrix, or (..., 4, 4) of them")
 
@@ -42,7 +43,8 @@ def plain_poses(poses: ArrayLike, name: str) -> NDArray[np.float64]:
 def plain_faces(faces: ArrayLike) -> NDArray[Any]:
     """Return faces as a C-contiguous (m, 3) array of 32- or 64-bit integers.
 
-    The array is not copied if possible. Raise an `InputError` if the type or the shape is wrong.
+    The array is not copied if possible. Raise an `InputError` if the type or the shape is wrong;
+    the indices are not checked.
     """
     array = _array(faces, "faces", "an (m, 3) array of integers")
     if array.size == 0 and array.shape in ((0,), (0, 3)):
@@ -82,7 +84,7 @@ def plain_numbers(numbers: ArrayLike, name: str, maximum: int) -> NDArray[np.uin
 
 
 def plain_reals(value: Any, name: str, core: tuple[int, ...]) -> NDArray[np.float64]:
-    """Return real numbers of any type as a (..., *core) float64 array.
+    """Return real numbers of any type as a float64 array whose last axes are `core`.
 
     Raise an `InputError` if the shape is wrong or a number is not finite.
     """

@@ -19,16 +19,24 @@ from impinge._rows import Solid
 from impinge._shape import Shape
 
 _PADDING = 1e-12
-"""Relative padding of boxes, as a share of the magnitudes that are added. It exceeds their rounding
-errors, so that no box is too small."""
+"""Padding of boxes, relative to the magnitudes of the terms that make up a corner. It exceeds the
+rounding errors of the corners, so that no box is too small."""
 
 CONTAINED = np.array([[-1, -1]])
-"""Result of `contacts` if one body is inside the other, a solid, and their surfaces do not
+"""Result of `contacts` if one body lies inside the other, which is solid, and their surfaces do not
 intersect. -1 means no face."""
 
 
 class Body:
-    """A surface or a convex solid: a mesh, or a shape without a mesh."""
+    """One of: the surface of a mesh, a convex mesh as a solid, or a solid shape without a mesh.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        The mesh, in the body frame; empty if the body has none.
+    solid : bool
+        Whether the points inside belong to the body.
+    """
 
     def __init__(self, mesh: Mesh, *, solid: bool, round_shape: Shape | None = None) -> None:
         self.mesh = mesh
@@ -47,7 +55,7 @@ class Body:
 
     @cached_property
     def shape(self) -> Shape:
-        """The body as a shape in its own frame; a convex solid mesh becomes its hull."""
+        """The body as a shape in the body frame; a convex solid mesh becomes its hull."""
         if self._round is not None:
             return self._round
         return Shape.hull(self.mesh.vertices) if self.solid else Shape.mesh(self.mesh)
@@ -56,7 +64,7 @@ class Body:
     def box(self) -> NDArray[np.float64]:
         """Center and half-extents (2, 3), rounded, of a box around the body in the body frame.
 
-        NaN if the body has no points.
+        NaN if the body has no points, or is a half-space.
         """
         bounds = None if self._round is None else self._round.bounds
         points: NDArray[Any] = self.mesh.vertices if bounds is None else bounds
@@ -82,16 +90,16 @@ class Body:
 
 @dataclass(frozen=True)
 class Separation:
-    """Distance of two bodies, or minus the penetration depth of two solids.
+    """Distance of two bodies, or minus the penetration depth of two solids; see `separation`.
 
     Attributes
     ----------
     value : float
-        In world units, as `separation` describes.
+        Distance, or minus the depth, in world units; -1 if a depth is not computed.
     points : list of two (3,) float64 arrays
         Nearest or deepest point of each body in the world frame, rounded; zero if there are none.
     faces : (int, int)
-        Nearest face of each body; -1 if there is none.
+        Nearest face of each body, as an index into its mesh's faces; -1 if there is none.
     """
 
     value: float
@@ -106,8 +114,9 @@ def separation(
 
     The value is -1 if at least one body is solid and they collide. If `signed` is set and both are
     solid, it is minus the penetration depth instead. It is 0 for two solids that only touch, and
-    for two surfaces that intersect. Faces are -1 for a solid, and for a body inside one. Points are
-    zero if there are none.
+    for two surfaces that intersect. Distance and depth are the upper bounds of `impinge.distance`
+    and `impinge.penetration`. Faces are -1 for a solid, and for a body inside one. Points are zero
+    if there are none. Poses are world from body.
     """
     if not (a.is_mesh and b.is_mesh):
         return _of_shapes(a, b, pose_a, pose_b, signed=signed)
@@ -141,13 +150,19 @@ def _of_shapes(
 
 
 def gap(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
-    """Return a lower bound of the distance of the contents of two (2, 3) boxes of one frame."""
+    """Return a lower bound of the distance between two (2, 3) boxes of lower and upper corners.
+
+    Both are in one frame. It is 0 if the boxes overlap, and NaN if a corner is NaN.
+    """
     between = np.maximum(np.maximum(a[0] - b[1], b[0] - a[1]), 0)
     return float(np.linalg.norm(between)) * (1 - _PADDING)
 
 
 def overlaps(boxes: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Return the indices of the (n, 2, 3) boxes that may overlap one (2, 3) box."""
+    """Return the indices of those of (n, 2, 3) boxes that overlap one (2, 3) box, ascending.
+
+    All are in one frame. Touching counts, and NaN overlaps everything.
+    """
     apart = (boxes[:, 0] > box[1]) | (boxes[:, 1] < box[0])
     return np.flatnonzero(~apart.any(axis=1))
 
@@ -160,7 +175,10 @@ def solids(a: Body, b: Body) -> Solid:
 
 
 def collide(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64]) -> bool:
-    """Report whether two bodies have a point in common."""
+    """Report whether two bodies have a point in common; undecided counts as True.
+
+    Poses are world from body. The test is as exact as `impinge.intersects`.
+    """
     if not (a.is_mesh and b.is_mesh):
         return impinge.intersects(a.shape, b.shape, pose_a, pose_b) is True
     return intersects(a.mesh, b.mesh, pose_a, pose_b, solid=solids(a, b)) is True
@@ -169,10 +187,10 @@ def collide(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.fl
 def contacts(
     a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], limit: int
 ) -> NDArray[np.int64]:
-    """Return pairs of faces in contact, (k, 2), at most `limit`.
+    """Return at most `limit` pairs of faces in contact, as indices (face of a, face of b), (k, 2).
 
     The result is `CONTAINED` if one body is inside the other and no faces intersect. If a body has
-    no mesh, it has a row of -1 for each contact.
+    no mesh, the result has a row of -1 for each contact, the deepest first.
     """
     if not (a.is_mesh and b.is_mesh):
         return np.full((min(limit, len(_contacts_by_depth(a, b, pose_a, pose_b))), 2), -1)
@@ -192,7 +210,10 @@ def _contacts_by_depth(a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: ND
 def contact_points(
     a: Body, b: Body, pose_a: NDArray[np.float64], pose_b: NDArray[np.float64], pairs: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Return a common point in the world frame, rounded, for each pair of `contacts`, (k, 3)."""
+    """Return a common point of the two bodies for each row of `pairs`, the result of `contacts`.
+
+    Points are (k, 3), in the world frame, rounded.
+    """
     if not (a.is_mesh and b.is_mesh):
         found = _contacts_by_depth(a, b, pose_a, pose_b)[: len(pairs)]
         middle: NDArray[np.float64] = found.point_a / 2 + found.point_b / 2
@@ -214,10 +235,11 @@ def contact_normals(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return unit normals from `a` to `b`, (k, 3), and depths along them, (k,), for pairs of faces.
 
-    The pairs are those of `contacts`. Two convex solids have a single normal and depth, the
+    Normals are in the world frame and depths in world units, at least zero. `pairs` is the result
+    of `contacts`. Two convex solids, or a body inside a solid, have a single normal and depth, the
     shortest way to separate them. A contact with a shape that has no mesh has its own normal and
-    depth. Pairs of surfaces have the normal and depth of the region in which the surfaces penetrate
-    each other.
+    depth. Other pairs have the normal and depth of the region in which the surfaces penetrate each
+    other.
     """
     if not (a.is_mesh and b.is_mesh):
         found = _contacts_by_depth(a, b, pose_a, pose_b)[: len(pairs)]

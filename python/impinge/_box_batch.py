@@ -25,8 +25,8 @@ class AabbBatch:
     Raises
     ------
     InputError
-        If a number is out of range, or if an upper corner is below a lower one; the error names the
-        entry.
+        If an array has another type or shape, if a number is not finite or not below 2^320 in
+        magnitude, or if an upper corner is below a lower one. The error names the entry.
 
     Examples
     --------
@@ -45,14 +45,14 @@ class AabbBatch:
     def overlapping(self, box: AxisBox) -> NDArray[np.uint32]:
         """Return the row indices of the boxes that overlap a box, (k,), ascending; touching counts.
 
-        The test reads all boxes, 24 bytes for each. It is exact if single precision represents all
-        coordinates. Otherwise, boxes that are apart by less than the rounding count
-        as overlapping.
+        `box` is in the frame of the batch. The test reads all boxes, 24 bytes for each. It is exact
+        if single precision represents all corners. Otherwise, boxes that are apart by less than the
+        rounding count as overlapping.
 
         Raises
         ------
         InputError
-            If `box` is not a box.
+            If `box` is not an `AxisBox`.
         """
         return self._core.overlapping(core_of(box, "box"))
 

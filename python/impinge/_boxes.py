@@ -25,9 +25,16 @@ _BYTES_OF_8_BITS = 16
 class AxisBox(Volume):
     """Base class of the three forms of an axis-aligned box: `Aabb`, `MinWidths`, `CenterRadius`.
 
-    A box is the closed set of real points that its numbers define. Conversion, merging and moving
-    round outward: the result contains the exact box. Numbers are finite and below 2^320 in
-    magnitude; a box is immutable.
+    A box is the closed set of real points that its numbers define, in a frame and unit of the
+    caller's choice. Conversion, merging and moving round outward: the result contains the exact
+    box. Numbers are finite and below 2^320 in magnitude; a box is immutable.
+
+    Attributes
+    ----------
+    volume : float
+        Volume in cubic units, rounded.
+    surface_area : float
+        Surface area in square units, rounded. For a flat box, both sides count.
 
     Examples
     --------
@@ -72,16 +79,16 @@ class AxisBox(Volume):
     def to_center_radius(self) -> CenterRadius:
         """Return the box by its center and half-extents.
 
-        The center is rounded. The half-extents are rounded up, so that they reach both corners from
-        it.
+        The center is rounded. The half-extents are rounded up, so that the box still contains both
+        corners.
         """
         return CenterRadius._of(self._core.to_center_radius())
 
     def overlaps(self, other: Self) -> bool:
-        """Report whether two boxes of the same form overlap; touching counts.
+        """Report whether two boxes of the same form and frame overlap; touching counts.
 
-        The test is exact for corners and for widths. Boxes by center count as overlapping if the
-        gap between them is below one unit in the last place.
+        The test is exact for `Aabb` and `MinWidths`. Two `CenterRadius` boxes also count as
+        overlapping if their gap is below one unit in the last place of the sum of half-extents.
 
         Raises
         ------
@@ -91,9 +98,9 @@ class AxisBox(Volume):
         return self._core.overlaps(core_of(other))
 
     def encloses(self, other: Self) -> bool:
-        """Report whether another box of the same form is proved to lie inside this one.
+        """Report whether another box of the same form and frame is proved to lie inside this one.
 
-        The test is exact for boxes by corners. For the other forms, False means not proved.
+        The test is exact for `Aabb`. For the other forms, False means not proved.
 
         Raises
         ------
@@ -131,9 +138,9 @@ class AxisBox(Volume):
         return scalar(self._core.contains(points))  # type: ignore[no-any-return]
 
     def merged(self, other: Self) -> Self:
-        """Return a box that contains this box and another box of the same form, rounded outward.
+        """Return a box that contains this box and another one of the same form and frame.
 
-        For boxes by corners it is exactly the smallest such box.
+        For `Aabb` it is exactly the smallest such box; for the other forms it is rounded outward.
 
         Raises
         ------
@@ -148,7 +155,7 @@ class AxisBox(Volume):
         Parameters
         ----------
         pose : (4, 4) array_like of float32 or float64
-            World from the frame of the box; any affine map.
+            World from the frame of the box; any invertible affine map.
 
         Raises
         ------
@@ -171,6 +178,11 @@ class Aabb(AxisBox):
     ----------
     low, high : (3,) float64 array
         Lower and upper corners.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite or out of range, or if an upper corner is below the lower one.
 
     Examples
     --------
@@ -199,6 +211,11 @@ class MinWidths(AxisBox):
         Lower corner.
     widths : (3,) float64 array
         Lengths along the axes, at least zero.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite or out of range, or if a width is negative.
 
     Examples
     --------
@@ -240,6 +257,11 @@ class CenterRadius(AxisBox):
         Center of the box.
     half_extents : (3,) float64 array
         Half the lengths along the axes, at least zero.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite or out of range, or if a half-extent is negative.
 
     Examples
     --------
@@ -294,7 +316,7 @@ class PackedBox:
 
     @property
     def volume(self) -> float:
-        """Volume in cubic units, rounded."""
+        """Volume of the unpacked box in cubic units, rounded."""
         volume: float = self.unpacked().volume
         return volume
 
@@ -303,9 +325,9 @@ class PackedBox:
         """Return the box in double precision, exactly."""
 
     def overlaps(self, other: Self) -> bool:
-        """Report whether two packed boxes of the same form overlap; touching counts.
+        """Report whether two packed boxes of the same form and frame overlap; touching counts.
 
-        The result is that of the unpacked boxes.
+        The result is that of `overlaps` of the unpacked boxes.
 
         Raises
         ------
@@ -353,7 +375,10 @@ def aabb_of(numbers: Numbers) -> Aabb:
 
 
 def core_of(box: object, name: str = "other") -> _impinge.BoxCore:
-    """Return the extension's object of a box in any form."""
+    """Return the extension's object of a box in any form.
+
+    Raise an `InputError` that names the argument if `box` is not an `AxisBox`.
+    """
     return _checked(box, AxisBox, name)._core
 
 

@@ -15,7 +15,17 @@ _CHUNK = 1 << 21  # maximum number of pixels processed together; they take about
 
 
 class Canvas:
-    """Color and depth of (height, width) pixels; z points towards the viewer."""
+    """An image of (height, width) pixels with a depth buffer; z points towards the viewer.
+
+    Attributes
+    ----------
+    width, height : int
+        Size in pixels.
+    color : (height * width, 3) float64 array
+        Red, green and blue of the pixels, row by row from the top; 0 to 255.
+    depth : (height * width,) float64 array
+        The z of the nearest surface at each pixel; -inf if there is none.
+    """
 
     def __init__(self, width: int, height: int) -> None:
         self.width, self.height = width, height
@@ -25,9 +35,10 @@ class Canvas:
         self.depth: Floats = np.full(height * width, -np.inf)
 
     def triangles(self, corners: Floats, colors: Floats) -> None:
-        """Draw (n, 3, 3) triangles, each with its own color; x and y are in pixels.
+        """Draw (n, 3, 3) triangles, each with its own color of three numbers from 0 to 255.
 
-        Both sides are lit in the same way.
+        Corners are x and y in pixels, from the upper left corner, and z towards the viewer. Both
+        sides of a triangle are lit in the same way.
         """
         across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         across[:, 1] *= -1  # y runs down in pixels
@@ -65,7 +76,10 @@ class Canvas:
         self._put(place, depth[inside], colors[which])
 
     def tube(self, points: Floats, radius: float, color: Floats) -> None:
-        """Draw a round tube along (n, 3) points, in front of the surfaces that it lies on."""
+        """Draw a round tube along (n, 3) points, in front of the surfaces that it lies on.
+
+        Points are as for `triangles`; the radius is in pixels.
+        """
         lengths = np.hypot(*np.diff(points[:, :2], axis=0).T)
         counts = np.maximum(np.ceil(1.5 * lengths), 1).astype(int)
         share = [np.arange(count) / count for count in counts]
@@ -86,13 +100,20 @@ class Canvas:
             self._put((y * self.width + x)[kept], depth[kept], np.broadcast_to(colors, (*x.shape, 3))[kept])
 
     def blend(self, other: Canvas, opacity: float) -> None:
-        """Blend another canvas over this one at the pixels at which it is nearer."""
+        """Blend another canvas of the same size over this one, at the pixels at which it is nearer.
+
+        An opacity of 1 replaces the color, 0 keeps it.
+        """
         nearer = other.depth > self.depth
         self.color[nearer] = opacity * other.color[nearer] + (1 - opacity) * self.color[nearer]
         self.depth[nearer] = other.depth[nearer]
 
     def pixels(self, samples: int) -> NDArray[np.uint8]:
-        """Return (height / samples, width / samples, 3) colors, means of samples^2 pixels."""
+        """Return the image reduced by `samples` in both directions, each pixel a mean of samples^2.
+
+        Colors are (height // samples, width // samples, 3), from 0 to 255. Both sizes must be
+        multiples of `samples`.
+        """
         size = (self.height // samples, samples, self.width // samples, samples, 3)
         means: Floats = self.color.reshape(size).mean(axis=(1, 3))
         return np.clip(means, 0, 255).astype(np.uint8)
@@ -105,7 +126,10 @@ class Canvas:
 
 
 def shade(normals: Floats, colors: Floats, ambient: float = _AMBIENT) -> Floats:
-    """Return colors lit by Lambert's law; (n, 3) normals of any length face the viewer."""
+    """Return colors lit by Lambert's law, for (n, 3) normals of any length in the camera frame.
+
+    Normals that point away from the viewer are reversed.
+    """
     normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     normals = np.where(normals[:, 2:] < 0, -normals, normals)
     light = np.full(len(normals), ambient)

@@ -48,7 +48,7 @@ class Part:
     bones : tuple of str
         Names of the bones whose faces belong to the part.
     bone : int
-        Index of the bone that the volume is fixed to.
+        Bone that the volume is fixed to, as an index into `Character.bones`.
     kind : {"sphere", "capsule", "box", "lozenge", "hull"}
         Kind of volume, by its `points`: one point, two points, the eight corners of a box, the four
         corners of a rectangle, or more points.
@@ -80,15 +80,16 @@ class Part:
 class Leaks:
     """How much of each part's surface is outside of all volumes, in about 100 poses.
 
-    The poses are taken from all animations.
+    The poses are taken from all animations; nothing is proved about other poses. The arrays have
+    an entry for each part in `Character.parts`.
 
     Attributes
     ----------
     share : (p,) float64 array
-        Share of the part's vertices that are outside, from 0 to 1.
+        Share of the part's vertices that are outside, from 0 to 1, averaged over the poses.
     farthest : (p,) float64 array
-        Maximum distance of a vertex from the volumes, in the unit of the file; 0 if none is
-        outside.
+        Maximum distance of a vertex from the volumes, in the unit of the file, rounded; 0 if no
+        vertex is outside.
     """
 
     share: NDArray[np.float64]
@@ -198,12 +199,12 @@ class Character:
 
     @property
     def parts(self) -> tuple[Part, ...]:
-        """Parts, in the order of their first bones."""
+        """Parts of the character, each with its volume, in the order of their first bones."""
         return self._parts
 
     @property
     def animations(self) -> tuple[Animation, ...]:
-        """Animations of the file."""
+        """Animations in the file, in the order of the file."""
         return self._animations
 
     @property
@@ -213,16 +214,19 @@ class Character:
 
     @property
     def faces(self) -> NDArray[np.uint32]:
-        """Faces of the skin (m, 3), as indices into `CharacterPose.vertices`."""
+        """Faces of the skin, (m, 3): three indices into `CharacterPose.vertices` each."""
         return self._core.faces()[0]
 
     @property
     def part_of(self) -> NDArray[np.uint32]:
-        """Index of the part of each face, (m,)."""
+        """Part that each face belongs to, (m,), as an index into `parts`."""
         return self._core.faces()[1]
 
     def leaks(self) -> Leaks:
-        """Measure how much of each part's surface is outside of all volumes; 0 if conservative."""
+        """Measure how much of each part's surface is outside of all volumes, in about 100 poses.
+
+        All results are 0 if the volumes are conservative.
+        """
         share, farthest = self._core.leaks()
         return Leaks(np.array(share), np.array(farthest))
 

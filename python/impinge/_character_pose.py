@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class PartHit:
-    """Parts of a character that were hit; plain numbers for a single ray.
+    """Hits on the parts of a character; plain numbers for `ray_cast` with a single ray.
 
     Attributes
     ----------
@@ -30,7 +30,8 @@ class PartHit:
     part : int or (...) int64 array
         Part that was hit, as an index into `Character.parts`; -1 if there was no hit.
     bone : int or (...) int64 array
-        Index of the bone that the part's volume is fixed to; -1 if there was no hit.
+        Bone that the part's volume is fixed to, as an index into `Character.bones`; -1 if there was
+        no hit.
     t : float or (...) float64 array
         For a ray, its parameter at the hit, in units of the direction's length; zero if the ray
         starts inside. For `strikes`, a time from 0 to 1, never later than the true first contact.
@@ -41,8 +42,8 @@ class PartHit:
         Unit vector in the world frame: out of the part for a ray, otherwise from the striking shape
         into the part. Zero if there was no hit.
     depth : float or (...) float64 array
-        In world units: the length of the ray inside the volume, or an upper bound of the
-        penetration depth. Zero if there was no hit.
+        In world units: for a ray, its length inside the volume, rounded; for a shape, an upper
+        bound of the penetration depth; for a mesh, that depth, rounded. Zero if there was no hit.
     """
 
     hit: bool | NDArray[np.bool_]
@@ -65,7 +66,8 @@ class SurfaceHit:
     part : int or (...) int64 array
         Part of the face, as an index into `Character.parts`; -1 if the ray misses.
     bone : int or (...) int64 array
-        Index of the bone with the greatest weight on the face's corners; -1 if the ray misses.
+        Bone with the greatest skinning weight on the face's corners, as an index into
+        `Character.bones`; -1 if the ray misses.
     face : int or (...) int64 array
         Face, as an index into `Character.faces`, the first if several are hit in one point; -1 if
         the ray misses.
@@ -158,12 +160,12 @@ class CharacterPose:
 
     @property
     def character(self) -> Character:
-        """The character."""
+        """The character that is in this pose."""
         return self._character
 
     @property
     def frames(self) -> NDArray[np.float64]:
-        """Rigid poses (p, 4, 4), rounded: world from the bone that each part is fixed to."""
+        """Rigid poses (p, 4, 4), rounded: world from the bone that a part's volume is fixed to."""
         return self._core.frames()
 
     @property
@@ -196,7 +198,7 @@ class CharacterPose:
         origins : (..., 3) array_like of float32 or float64
             In the world frame, below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
-            Of any nonzero length below 2^300. The leading axes of both broadcast as in NumPy.
+            In the world frame, with any nonzero length below 2^300. Leading axes broadcast.
 
         Returns
         -------
@@ -270,7 +272,7 @@ class CharacterPose:
         return PartHits(offsets, hits, tuple(shape)) if shape else hits
 
     def struck_by(self, shape: AnyShape, pose: ArrayLike | None = None) -> PartHit:
-        """Return all parts that a shape, or the surface of a mesh, intersects; in order of index.
+        """Return all parts that a shape or the surface of a mesh intersects, sorted by index.
 
         A part is left out only if it is proved to be apart.
 
@@ -279,7 +281,7 @@ class CharacterPose:
         shape : Shape or Mesh
             The striking shape.
         pose : (4, 4) array_like of float32 or float64, optional
-            World from shape.
+            World from shape; the default is the identity.
 
         Returns
         -------

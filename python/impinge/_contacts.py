@@ -24,7 +24,7 @@ class Contacts:
     normal : (k, 3) float64 array
         Unit vectors from the first shape to the second, in the world frame.
     depth : (k,) float64 array
-        Equal to `upper`.
+        Penetration depth at this contact: equal to `upper`.
     lower, upper : (k,) float64 array
         Bounds of the penetration depth at this contact along the normal, in world units. Negative
         if the shapes are apart here, which requires a positive margin. Infinite for two half-spaces
@@ -32,7 +32,8 @@ class Contacts:
     point_a, point_b : (k, 3) float64 array
         Points on the first and on the second shape, in the world frame, rounded.
     manifold : (k,) int64 array
-        Number of the manifold, from zero. All contacts of one manifold have the same normal.
+        Index of the contact's manifold, counted from zero in each row of poses. All contacts of one
+        manifold have the same normal.
     ids : (k, 2, 4) uint32 array
         Features in contact, which stay the same from call to call as long as the contact persists.
         For each shape four numbers: the part of a compound, the kind of feature (0 corner, 1 edge,
@@ -155,7 +156,7 @@ def contacts(
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
 ) -> Any:
-    """Compute the contacts of two meshes or shapes.
+    """Compute the contacts of two meshes or shapes that touch, overlap, or are within a margin.
 
     The result is empty if and only if the two are farther apart than the margin.
 
@@ -175,7 +176,8 @@ def contacts(
         `Contacts` for a single pose. Two convex shapes have one normal; other shapes have one for
         each region of contact. The normals of round shapes equal those of `penetration` to within
         2^-12. Cylinders, cones and ellipsoids have up to eight points, which may be shallower than
-        neighboring points by 2^-13 of the size.
+        neighboring points by 2^-13 of the size. With ``on_error="status"`` a tuple of the contacts
+        and the status of each row.
 
     Raises
     ------

@@ -22,17 +22,19 @@ class Distance:
     Attributes
     ----------
     distance : float or (...) float64 array
-        Zero if and only if the two intersect, otherwise `upper`.
+        In world units: zero if and only if the two intersect or this is undecided; otherwise
+        `upper`.
     lower, upper : float or (...) float64 array
-        Bounds of the true distance, in world units. Infinite if a mesh is empty.
+        Bounds of the true distance, in world units. Infinite if a mesh is empty; both 0 in a row
+        with an invalid pose.
     point_a, point_b : (..., 3) float64 array
         Nearest points in the world frame, rounded. Zero if there are none: a mesh is empty, a pose
         is invalid, or one mesh lies inside the other, a solid, without touching its surface.
     face_a, face_b : int or (...) int64 array
-        Faces that contain the nearest points; -1 if there are none, or if one of the two is not a
-        mesh. If several pairs are equally near, the one with the smallest `face_a`, then the
-        smallest `face_b`, is returned. If the meshes intersect, a pair of intersecting faces is
-        returned, which depends on how the hierarchies were built.
+        Indices of the faces that contain the nearest points; -1 if there are none, or if one of the
+        two is not a mesh. If several pairs are equally near, the one with the smallest `face_a`,
+        then the smallest `face_b`, is returned. If the meshes intersect, a pair of intersecting
+        faces is returned, which depends on how the hierarchies were built.
     """
 
     distance: float | NDArray[np.float64]
@@ -81,24 +83,25 @@ def distance(
     a, b : Mesh or Shape
         The two things.
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
-        World from mesh, as for `intersects`.
+        World from mesh or shape, as for `intersects`.
     solid : {False, True, "a", "b"}
         As for `intersects`: the distance is zero if and only if `intersects` with the same `solid`
         returns True.
     on_error : {"raise", "status"}
-        How to treat an invalid pose. ``"status"`` returns both bounds 0, the safe answer, without
-        faces for its row, and also returns the `Status` of each row.
+        How to treat an invalid pose. ``"status"`` gives its row the safe answer: both bounds 0, and
+        no nearest points or faces. It also returns the `Status` of each row; check it.
     progress : bool
         As for `intersects`.
 
     Returns
     -------
     Distance
-        The fields have the leading axes of the poses. The interval from `lower` to `upper` is at
-        most 2^-44 of the diagonal of the box that contains both meshes. For boxes, triangles, hulls
-        and half-spaces it is at most 2^-36 of the distance. For round shapes it is about 2^-40 of
-        the sizes, or up to 2^-23 if several points of a cylinder, a cone or an ellipsoid are
-        equally near.
+        The fields have the leading axes of the poses. The width of the interval from `lower` to
+        `upper` is at most 2^-44 of the diagonal of the box that contains both meshes. For boxes,
+        triangles, hulls and half-spaces it is at most 2^-36 of the distance. For round shapes it is
+        about 2^-40 of the sizes, or up to 2^-23 if several points of a cylinder, a cone or an
+        ellipsoid are equally near. With ``on_error="status"`` a tuple of this and the status of
+        each row.
 
     Raises
     ------
@@ -173,7 +176,7 @@ def within(
     clearance : float
         Maximum distance in world units, at least zero. A distance equal to the clearance counts.
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
-        World from mesh, as for `intersects`.
+        World from mesh or shape, as for `intersects`.
     solid : {False, True, "a", "b"}
         As for `intersects`: a body inside a solid is within any clearance of it.
     on_error : {"raise", "status"}

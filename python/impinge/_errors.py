@@ -17,8 +17,8 @@ class InputError(ValueError):
         ``"unit"``, ``"non-finite"``, ``"out-of-range"``, ``"index-out-of-bounds"``, ``"too-many"``,
         ``"not-affine"``, ``"singular"``, ``"not-rigid"``, ``"not-unit-quaternion"``,
         ``"zero-direction"``, ``"zero-axis"``, ``"negative"``, ``"order"``, ``"stale"``,
-        ``"static"`` or ``"empty"``. For files also the kinds in the JSON output of the command,
-        such as ``"syntax"``.
+        ``"static"``, ``"empty"``, ``"unknown-key"``, ``"state"``, ``"changed"`` or ``"input"``. For
+        files also the kinds in the JSON output of the command, such as ``"syntax"``.
     what : str
         Name of the invalid argument, such as ``"vertices"`` or ``"pose_b"``, or the path of the
         file.
@@ -79,8 +79,8 @@ class LoadWarning(UserWarning):
 class Status(IntEnum):
     """Status of one row of a call with ``on_error="status"``.
 
-    If nothing is proved, the row has a safe answer, which each function describes at `on_error`:
-    for example True for `intersects`, and 0 for `distance`.
+    Every status but `OK` means that the answer is not proved. The row then has the safe answer that
+    the function describes at `on_error`: for example True for `intersects`, and 0 for `distance`.
 
     Examples
     --------
@@ -95,18 +95,21 @@ class Status(IntEnum):
     """
 
     OK = 0
-    """The pose is valid, and the answer is proved."""
+    """The poses of the row are valid, and the answer is proved."""
     NON_FINITE = 1
-    """An entry of the pose is NaN or infinite; the answer is the safe one."""
+    """An entry of a pose is NaN or infinite. The row has the safe answer, which proves nothing."""
     OUT_OF_RANGE = 2
-    """An entry of the pose is beyond 2^64, or a translation beyond 2^300; the answer is the safe
-    one."""
+    """An entry of a pose is above 2^64 in magnitude, or 2^300 in the translation. The row has the
+    safe answer, which proves nothing."""
     NOT_AFFINE = 3
-    """The last row of the pose is not 0, 0, 0, 1; the answer is the safe one."""
+    """The last row of a pose's matrix is not 0, 0, 0, 1. The row of the call has the safe answer,
+    which proves nothing."""
     SINGULAR = 4
-    """The linear part of the pose has no inverse; the answer is the safe one."""
+    """The linear part of a pose has no inverse. The row has the safe answer, which proves
+    nothing."""
     UNDECIDED = 5
-    """Nothing was proved; the answer is the safe one. Round shapes touch to within rounding, or a
-    mesh is open or intersects itself at the place in question."""
+    """The poses are valid, but the answer is not proved: round shapes touch to within rounding, or
+    a mesh is open or intersects itself at the place in question. The row has the safe answer."""
     NOT_RIGID = 6
-    """The pose is not rigid within 1e-4, which round shapes require; the answer is the safe one."""
+    """A pose is not rigid within 1e-4, which round shapes require. The row has the safe answer,
+    which proves nothing."""

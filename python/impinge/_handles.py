@@ -12,7 +12,7 @@ from impinge._errors import InputError
 from impinge._scalars import whole
 
 Handles: TypeAlias = NDArray[np.uint64]
-"""Handles in a flat array."""
+"""Handles of bodies in a flat array."""
 
 ALL_LAYERS = 0xFFFF_FFFF
 """Bit mask of all 32 layers."""
@@ -22,7 +22,10 @@ MAX_NUMBER = 2**64 - 1
 
 
 def handle(body: int) -> int:
-    """Validate a single handle, and return it as an int."""
+    """Return a single handle as an int. Raise an `InputError` unless it is an integer of 64 bits.
+
+    Whether the body exists is not checked.
+    """
     handles, lead = handles_of(body, "body")
     if lead:
         raise InputError(f"has shape {lead}; a single handle is expected", kind="shape", what="body")
@@ -30,13 +33,20 @@ def handle(body: int) -> int:
 
 
 def handles_of(bodies: ArrayLike, name: str = "bodies") -> tuple[Handles, tuple[int, ...]]:
-    """Validate handles, and return them as a flat array, with their original shape."""
+    """Return handles as a flat array, and their original shape.
+
+    Raise an `InputError` unless all are integers of 64 bits. Whether the bodies exist is not
+    checked.
+    """
     array = _arrays.plain_numbers(bodies, name, MAX_NUMBER)
     return array.reshape(-1), array.shape
 
 
 def numbers_of(values: ArrayLike, name: str, lead: tuple[int, ...]) -> Handles:
-    """Return a number for each body, broadcast to the shape `lead` of the bodies."""
+    """Return an owner or a tag for each body, flat, broadcast to the shape `lead` of the bodies.
+
+    Raise an `InputError` if a value is not an integer from 0 to 2^64 - 1, or does not broadcast.
+    """
     numbers, shape = handles_of(values, name)
     try:
         return np.ascontiguousarray(np.broadcast_to(numbers.reshape(shape), lead)).reshape(-1)
@@ -46,7 +56,11 @@ def numbers_of(values: ArrayLike, name: str, lead: tuple[int, ...]) -> Handles:
 
 
 def poses_of(poses: ArrayLike | None, lead: tuple[int, ...]) -> NDArray[np.float64]:
-    """Return a pose for each body, (n, 4, 4), broadcast to the shape `lead` of the bodies."""
+    """Return a pose for each body, (n, 4, 4), broadcast to the shape `lead` of the bodies.
+
+    None is accepted only if there are no bodies. Raise an `InputError` if the type or the shape is
+    wrong; the values are not checked.
+    """
     plain = np.zeros((0, 4, 4)) if poses is None else _arrays.plain_poses(poses, "poses")
     try:
         spread = np.broadcast_to(plain, (*lead, 4, 4))
@@ -57,5 +71,5 @@ def poses_of(poses: ArrayLike | None, lead: tuple[int, ...]) -> NDArray[np.float
 
 
 def mask(layers: int, name: str) -> int:
-    """Return a bit mask of layers, validated to have 32 bits."""
+    """Return a bit mask of layers as an int. Raise an `InputError` if it exceeds 32 bits."""
     return whole(layers, name, maximum=ALL_LAYERS)

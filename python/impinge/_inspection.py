@@ -32,7 +32,7 @@ class Health:
         Number of edges that two faces use in the same direction, so that one of the faces is inside
         out.
     components : int
-        Number of connected components: sets of faces that are linked by common points.
+        Number of connected components: sets of faces that are linked by common corner points.
     double_coordinates : int
         Number of coordinates that single precision cannot represent.
     """
@@ -50,22 +50,25 @@ class Health:
 
 @dataclass(frozen=True, eq=False)
 class Repair:
-    """Changes made by `Mesh.repaired`, and the defects that are left. All arrays are ascending.
+    """Changes made by `Mesh.repaired`, and the defects that are left.
+
+    Arrays hold indices of vertices or faces, ascending.
 
     Attributes
     ----------
     welded_vertices : (k,) uint32 array
-        Vertices that were moved to the position of an earlier vertex.
+        Indices of vertices that were moved to the position of an earlier vertex.
     greatest_move : float
         Maximum distance by which a vertex was moved, in the unit of the mesh.
     turned_faces : (k,) uint32 array
-        Faces whose second and third corners were swapped.
+        Indices of faces whose orientation was reversed, by a swap of the second and third corners.
     one_sided_faces : (k,) uint32 array
-        Faces of one-sided sheets, such as a Möbius strip; not changed.
+        Indices of faces of one-sided sheets, such as a Möbius strip; not changed.
     degenerate_faces : (k,) uint32 array
-        Faces without area after the repair; not changed.
+        Indices of faces without area after the repair; not changed.
     duplicate_faces : (k,) uint32 array
-        Faces with the same three points as an earlier face after the repair; not changed.
+        Indices of faces with the same three points as an earlier face after the repair; not
+        changed.
     """
 
     welded_vertices: NDArray[np.uint32]
@@ -86,7 +89,7 @@ class Repair:
 
 @dataclass(frozen=True)
 class TreeStatistics:
-    """Quality of the hierarchy that queries traverse. Areas are ratios, independent of the unit.
+    """Size and quality of the hierarchy of a mesh. Areas are ratios, independent of the unit.
 
     Attributes
     ----------
@@ -96,13 +99,14 @@ class TreeStatistics:
         Number of steps from the root to the deepest leaf.
     sah : float
         Expected number of nodes that a small object inside the root's box overlaps: the sum of the
-        surface areas of all boxes, divided by that of the root's box.
+        surface areas of all boxes, divided by that of the root's box. Lower is faster; 0 if the
+        root's box has no area.
     overlap : float
         Surface areas that pairs of children have in common, summed over all inner nodes and divided
         by the sum of the areas of the inner nodes; 0 if no children overlap.
     node_fill, leaf_fill : float
-        Share of the slots that are used: of child slots in inner nodes, and of face slots in
-        leaves.
+        Share of the slots that are used, from 0 to 1: of child slots in inner nodes, and of face
+        slots in leaves.
     bytes : int
         Size of the nodes in bytes.
     """

@@ -64,8 +64,8 @@ def intersects(
     a, b : Mesh or Shape
         The two things. A mesh is its surface, unless `solid` makes it a solid.
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
-        World from mesh, for column vectors: any invertible affine map, or a rigid motion within
-        1e-4 for round shapes. None is the identity. Leading axes broadcast as in NumPy:
+        World from mesh or shape, for column vectors: any invertible affine map, or a rigid motion
+        within 1e-4 for round shapes. None is the identity. Leading axes broadcast as in NumPy:
         ``(n, 4, 4)`` against ``(4, 4)`` or ``(n, 4, 4)`` gives n answers, ``(n, 1, 4, 4)`` against
         ``(m, 4, 4)`` gives n x m.
     solid : {False, True, "a", "b"}
@@ -75,8 +75,8 @@ def intersects(
         (`Mesh.is_closed`). If it is open and the inside cannot be decided, the answer is True.
         Shapes ignore this option.
     on_error : {"raise", "status"}
-        How to treat an invalid pose. ``"raise"`` raises an error. ``"status"`` returns True, the
-        safe answer, for its row, and also returns the `Status` of each row.
+        How to treat an invalid pose. ``"raise"`` raises an error. ``"status"`` returns True for its
+        row, the safe answer, and also returns the `Status` of each row.
     progress : bool
         Whether to show the number of finished rows in one line of stderr during the call.
 
@@ -146,9 +146,9 @@ def penetrates(
         The two things. A mesh is treated as a solid: its surface and all points with a winding
         number above 1/2 in magnitude.
     pose_a, pose_b : (..., 4, 4) array_like of float32 or float64, optional
-        World from mesh, as for `intersects`.
+        World from mesh or shape, as for `intersects`.
     on_error : {"raise", "status"}
-        How to treat an invalid pose, as for `intersects`. The status also marks undecided answers.
+        As for `intersects`: a row with an invalid pose gets True, the safe answer.
     progress : bool
         As for `intersects`.
 
@@ -181,10 +181,11 @@ def penetrates(
 
 
 class LimitedPairs(NamedTuple):
-    """The first intersecting pairs of faces, up to a limit."""
+    """The first intersecting pairs of faces in sorted order, up to a limit for each pose."""
 
     pairs: NDArray[np.uint32] | Pairs
-    """(Face of a, face of b), sorted, (k, 2); `Pairs` if the poses have leading axes."""
+    """Face indices (face of a, face of b), sorted, (k, 2); `Pairs` if the poses have leading
+    axes."""
     truncated: Booleans
     """Whether a pose has more pairs than were returned; an array if the poses have leading axes."""
 
@@ -219,7 +220,7 @@ def intersecting_pairs(
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
 ) -> Any:
-    """Return all pairs of faces that have a point in common.
+    """Return all pairs of faces, one of each mesh, that have a point in common; decided exactly.
 
     Parameters
     ----------
@@ -240,9 +241,10 @@ def intersecting_pairs(
     Returns
     -------
     (k, 2) uint32 array or Pairs
-        (Face of a, face of b), sorted by the first, then by the second, without duplicates. `Pairs`
-        if the poses have leading axes. With a `limit` a `LimitedPairs`: a tuple of the pairs and
-        whether there are more.
+        Face indices (face of a, face of b), sorted by the first, then by the second, without
+        duplicates. `Pairs` if the poses have leading axes. With a `limit` a `LimitedPairs`: a tuple
+        of the pairs and whether there are more. With ``on_error="status"`` a tuple of this and the
+        status of each row.
 
     Raises
     ------
@@ -320,7 +322,8 @@ def intersection_curves(
         last. After the polylines comes one array with a single row for each isolated point in which
         the surfaces touch. The pieces and their connections are exact, and each coordinate is the
         true one, rounded. Coplanar faces that intersect have no curve of their own. If the poses
-        have leading axes, the result is a nested list with one level for each axis.
+        have leading axes, the result is a nested list with one level for each axis. With
+        ``on_error="status"`` a tuple of this and the status of each row.
 
     Raises
     ------

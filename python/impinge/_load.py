@@ -52,7 +52,7 @@ def load(
     Returns
     -------
     Mesh
-        In the frame of the file.
+        In the frame of the file, with vertices in the given unit or in that of the file.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def load_scene(
     max_bytes: int | None = None,
     max_triangles: int | None = None,
 ) -> Scene:
-    r"""Load the parts of a file as a scene of named meshes, each at its place in the file.
+    r"""Load the parts of a file as a scene of named meshes, all in the frame of the file.
 
     Parameters
     ----------
@@ -107,9 +107,9 @@ def load_scene(
     -------
     Scene
         Parts have the names and the order of the file. If a name is missing or already used, a
-        number is added. All meshes are in the frame of the file: transforms in the file are applied
-        once, and each instance of a shape becomes a mesh of its own. ``scene.parts[name].origin``
-        returns the polygons of the faces.
+        number is added. All meshes are in the frame of the file, in the given unit: transforms in
+        the file are applied once, and each instance of a shape becomes a mesh of its own.
+        ``scene.parts[name].origin`` returns the polygons of the faces.
 
     Raises
     ------

@@ -104,8 +104,8 @@ class Mesh(PointQueries):
         Parameters
         ----------
         baked : bytes or any object with a buffer of bytes
-            For example an ``mmap.mmap`` or the ``buf`` of a ``SharedMemory``, with exactly the
-            bytes, contiguous; copied once. `impinge.load` opens files without a copy.
+            For example an ``mmap.mmap`` or the ``buf`` of a ``SharedMemory``. It must hold exactly
+            the baked bytes, contiguous; copied once. `impinge.load` opens files without a copy.
 
         Raises
         ------
@@ -127,7 +127,7 @@ class Mesh(PointQueries):
 
     @property
     def vertices(self) -> NDArray[np.float32] | NDArray[np.float64]:
-        """Positions (n, 3) in the mesh frame, read-only; copied on first use.
+        """Positions (n, 3) in the mesh frame and unit, read-only; copied on first use.
 
         The type is that of the input. A baked mesh has float32 if that is exact.
         """
@@ -135,7 +135,7 @@ class Mesh(PointQueries):
 
     @property
     def faces(self) -> NDArray[np.uint32]:
-        """Vertex indices (m, 3), read-only; copied on first use."""
+        """Three vertex indices for each face, (m, 3), read-only; copied on first use."""
         return super().faces
 
     @property
@@ -152,8 +152,8 @@ class Mesh(PointQueries):
     def is_closed(self) -> bool:
         """Report whether each edge is used equally often in both directions.
 
-        The inside is then exact. Edges are identified by the positions of their ends. The first
-        call takes O(n log n) time.
+        Answers about the inside are then exact. Edges are identified by the positions of their
+        ends. The first call takes O(n log n) time.
         """
         return super().is_closed
 
@@ -171,7 +171,7 @@ class Mesh(PointQueries):
         return Health(**_impinge.health(self))
 
     def repaired(self, *, weld: float = 0.0, orient: bool = False) -> tuple[Mesh, Repair]:
-        """Return a repaired copy and a report. Vertices and faces keep their indices.
+        """Return a repaired copy, and a report. Vertices and faces keep their indices.
 
         Parameters
         ----------
@@ -223,7 +223,7 @@ class Mesh(PointQueries):
         return _impinge.closing_tolerance(self)
 
     def tree_statistics(self) -> TreeStatistics:
-        """Measure the quality of the hierarchy."""
+        """Measure the size and the quality of the mesh's hierarchy."""
         return TreeStatistics(**_impinge.tree_statistics(self))
 
     def refit(self, vertices: ArrayLike) -> None:
@@ -236,7 +236,7 @@ class Mesh(PointQueries):
         Parameters
         ----------
         vertices : (n, 3) array_like of float32 or float64
-            New positions in the mesh frame, one for each existing vertex.
+            New positions in the mesh frame and unit, one for each existing vertex.
 
         Raises
         ------
@@ -279,7 +279,7 @@ class Mesh(PointQueries):
 
     @property
     def aging(self) -> float:
-        """Expected cost of a query (surface area heuristic), divided by that after the last build.
+        """Expected cost of a query, divided by that after the last build (surface area heuristic).
 
         Above about 1.5, `rebuild` pays off within a few dozen queries.
         """
@@ -350,7 +350,7 @@ class Mesh(PointQueries):
         _impinge.bake(self, path, self._origin_data(), flag(proxies, "proxies"))
 
     def to_baked(self, *, proxies: bool = False) -> bytes:
-        """Return the bytes that `bake` would write, for `from_baked` or for shared memory.
+        """Return the bytes that `bake` writes (`proxies` as there), for `from_baked` or sharing.
 
         Examples
         --------

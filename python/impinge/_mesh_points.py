@@ -25,9 +25,9 @@ class PointQueries(_impinge.MeshBase):
         Returns
         -------
         ClosestPoint
-            The fields have the leading axes of `points`. The interval from `lower` to `upper` is at
-            most 2^-44 of the sum of the mesh's extent and the distance of the point from the mesh's
-            center.
+            The fields have the leading axes of `points`. The width of the interval from `lower` to
+            `upper` is at most 2^-44 of the sum of the mesh's extent and the distance of the point
+            from the mesh's center.
 
         Raises
         ------
@@ -58,9 +58,9 @@ class PointQueries(_impinge.MeshBase):
         Returns
         -------
         float or (...) float64 array
-            Zero if and only if the point is on the surface; negative if and only if it is off the
-            surface and `contains` returns True; infinite if the mesh is empty. The magnitude is as
-            accurate as that of `closest_point`.
+            In the unit of the mesh. Zero if and only if the point is on the surface; negative if
+            and only if it is off the surface and `contains` returns True; infinite if the mesh is
+            empty. The magnitude is as accurate as the distance of `closest_point`.
 
         Raises
         ------
@@ -78,7 +78,7 @@ class PointQueries(_impinge.MeshBase):
         return scalar(_impinge.signed_distance(self, points))  # type: ignore[no-any-return]
 
     def winding_number(self, points: ArrayLike) -> float | NDArray[np.float64]:
-        """Return the winding numbers of the mesh around points.
+        """Return the winding number of the mesh around each point: how often the mesh encloses it.
 
         A closed mesh with outward faces has winding number 1 inside and 0 outside.
 
@@ -142,7 +142,7 @@ class PointQueries(_impinge.MeshBase):
         return scalar(_impinge.contains(self, points))  # type: ignore[no-any-return]
 
     def ray_cast(self, origins: ArrayLike, directions: ArrayLike) -> RayHit:
-        """Return the first face that each ray hits, its origin included.
+        """Return the first face that each ray hits; the origin is part of the ray.
 
         Whether a ray hits a face, and which face it hits first, is decided exactly: no ray slips
         between two faces that share an edge. Faces are closed and have two sides.
@@ -152,7 +152,8 @@ class PointQueries(_impinge.MeshBase):
         origins : (..., 3) array_like of float32 or float64
             In the mesh frame and unit, below 2^300 in magnitude.
         directions : (..., 3) array_like of float32 or float64
-            Of any nonzero length below 2^300. The leading axes of both broadcast as in NumPy.
+            In the mesh frame, with any nonzero length below 2^300. The leading axes of both
+            broadcast as in NumPy.
 
         Returns
         -------
@@ -178,6 +179,8 @@ class PointQueries(_impinge.MeshBase):
 
     def ray_cast_all(self, origins: ArrayLike, directions: ArrayLike) -> RayHit | RayHits:
         """Return every face that each ray hits, in order along the ray, then by face index.
+
+        Hits and their order are exact, as for `ray_cast`.
 
         Parameters
         ----------

@@ -60,7 +60,7 @@ class Motion(_impinge.MotionBase):
     def screw(
         cls, pose_t0: ArrayLike | None, linear: ArrayLike, angular: ArrayLike, pivot: ArrayLike | None = None
     ) -> Motion:
-        """Return a motion that rotates about an axis that itself moves, both at constant velocity.
+        """Return a motion that rotates about a moving axis, both at constant velocity.
 
         The body may make any number of turns.
 
@@ -146,6 +146,8 @@ _POSES = 2
 @dataclass(frozen=True, eq=False)
 class Impact:
     """Time at which two bodies first touch; arrays if the motions have leading axes.
+
+    Times are from 0, the start of the motions, to 1, their end.
 
     Attributes
     ----------

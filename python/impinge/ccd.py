@@ -28,9 +28,9 @@ def vertex_face(t0: ArrayLike, t1: ArrayLike) -> float | NDArray[np.float64]:
     Returns
     -------
     float or (...) float64 array
-        A time in [0, 1] that is never later than the true first contact. It is within 2^-30 of it
-        if contact is proved. Infinite if and only if contact is disproved. Features that touch at
-        the start give 0.
+        A time in [0, 1] that is never later than the true first contact, and within 2^-30 of it if
+        contact is proved. Infinite if and only if contact is disproved. Features that touch at the
+        start give 0.
 
     Raises
     ------

@@ -53,12 +53,14 @@ class ContactData:
     names : set of str
         Names of the two objects; ``"__external"`` for an object that is in no manager.
     point : (3,) float64 array
-        A point of both faces, or of both bodies, in the world frame, rounded.
+        A common point of both faces, or of both bodies, in the world frame, rounded.
     normal : (3,) float64 array
         Unit vector in the world frame, from the mesh of this manager to the other one, or from the
         mesh that was added first to the other one.
     depth : float
-        Penetration depth along the normal, in world units; at least zero.
+        In world units, at least zero. Two convex bodies, or a body inside another one: the upper
+        bound of `impinge.penetration`. Otherwise: the depth of the region in which the surfaces
+        penetrate each other, rounded. It is not the depth of the two faces.
     """
 
     def __init__(self, names: tuple[Hashable, Hashable], contact: fcl.Contact) -> None:
@@ -82,8 +84,8 @@ class DistanceData:
     names : set of str
         Names of the two objects; ``"__external"`` for an object that is in no manager.
     distance : float
-        In world units. Minus the depth if two convex bodies overlap, -1 if a convex body and a
-        surface collide, and 0 if two surfaces intersect.
+        In world units: the upper bound of `impinge.distance`. Minus the depth if two convex bodies
+        overlap, -1 if a convex body and a surface collide, and 0 if two surfaces intersect.
     """
 
     def __init__(self, names: tuple[Hashable, Hashable], result: fcl.DistanceResult) -> None:
@@ -95,15 +97,16 @@ class DistanceData:
     def index(self, name: Hashable) -> int:
         """Return the nearest face of the object with this name, as an index into its faces.
 
-        It is -1 if the object is convex. Raise a `KeyError` for another name.
+        It is -1 if the object is convex, or is a surface inside a convex one. Raise a `KeyError`
+        for another name.
         """
         return self._faces[name]
 
     def point(self, name: Hashable) -> NDArray[np.float64]:
         """Return the nearest point, (3,), of the object with this name, in the world frame.
 
-        It is rounded, and zero if the objects collide and no depth is computed. Raise a `KeyError`
-        for another name.
+        It is rounded. It is zero if a convex object and a surface collide, and the deepest point if
+        two convex objects overlap. Raise a `KeyError` for another name.
         """
         return self._points[name]
 
@@ -142,6 +145,11 @@ class CollisionManager:
         -------
         impinge.fcl.CollisionObject
             The object that the manager stores under the name.
+
+        Raises
+        ------
+        InputError
+            If the mesh or the transform is invalid.
         """
         made = _object(mesh, transform)
         self._objects[name] = made
@@ -165,7 +173,7 @@ class CollisionManager:
         return_names: bool = False,
         return_data: bool = False,
     ) -> _Answer:
-        """Report whether a mesh collides with any mesh of the manager.
+        """Report whether a mesh collides with any mesh of the manager; touching counts.
 
         `transform` is world from mesh. If requested, the names of the colliding meshes of the
         manager and a list of `ContactData` follow.
@@ -175,7 +183,7 @@ class CollisionManager:
         return _collisions(pairs, lambda names: names[0], return_names, return_data)
 
     def in_collision_internal(self, return_names: bool = False, return_data: bool = False) -> _Answer:
-        """Report whether any two meshes of the manager collide.
+        """Report whether any two meshes of the manager collide; touching counts.
 
         If requested, the pairs of names that collide, each in alphabetical order, and a list of
         `ContactData` follow.
@@ -186,7 +194,7 @@ class CollisionManager:
     def in_collision_other(
         self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
     ) -> _Answer:
-        """Report whether any mesh collides with a mesh of another manager.
+        """Report whether any mesh collides with a mesh of another manager; touching counts.
 
         If requested, the pairs of names that collide, the name in this manager first, and a list of
         `ContactData` follow.
@@ -201,12 +209,12 @@ class CollisionManager:
         return_name: bool = False,
         return_data: bool = False,
     ) -> _Distance:
-        """Return the minimum distance of a mesh from the meshes of the manager.
+        """Return the minimum distance of a mesh from the meshes of the manager, in world units.
 
-        It is in world units, and infinite if the manager is empty. Intersecting surfaces have
-        distance 0. A solid (a convex mesh) that collides with a surface gives -1, and two solids
-        give minus the depth. If requested, the name of the nearest mesh in the manager and a
-        `DistanceData` follow.
+        It is infinite if the manager is empty. Intersecting surfaces have distance 0. A solid (a
+        convex mesh) that collides with a surface gives -1, and two solids that overlap give minus
+        the depth. `transform` is world from mesh. If requested, the name of the nearest mesh in the
+        manager and a `DistanceData` follow; both are None if the distance is infinite.
         """
         other = (_EXTERNAL, _object(mesh, transform))
         pairs = [((name, own), other) for name, own in self._objects.items()]
@@ -217,7 +225,7 @@ class CollisionManager:
     ) -> _Distance:
         """Return the minimum distance of any two meshes of the manager, or of one from all others.
 
-        The distance is as for `min_distance_single`; infinite if there are no two meshes. If
+        The result is as for `min_distance_single`; infinite if there are no two meshes. If
         requested, the names of the nearest two meshes, in alphabetical order, and a `DistanceData`
         follow. Raise a `ValueError` if there is no mesh with the given name.
         """
@@ -232,7 +240,7 @@ class CollisionManager:
     ) -> _Distance:
         """Return the minimum distance of any mesh from any mesh of another manager.
 
-        The distance is as for `min_distance_single`; infinite if a manager is empty. If requested,
+        The result is as for `min_distance_single`; infinite if a manager is empty. If requested,
         the names of the nearest two meshes, the name in this manager first, and a `DistanceData`
         follow.
         """
@@ -261,7 +269,10 @@ def mesh_to_convex(mesh: HasTriangles) -> fcl.Convex:
 
 
 def scene_to_collision(scene: Any) -> tuple[CollisionManager, dict[Hashable, fcl.CollisionObject]]:
-    """Return a manager with the nodes of a ``trimesh.Scene``, and a dict of its objects by node."""
+    """Return a manager with the meshes of a ``trimesh.Scene``, and a dict of its objects.
+
+    The name of an object is that of its node in the scene.
+    """
     manager = CollisionManager()
     objects = {}
     for node in scene.graph.nodes_geometry:

@@ -19,19 +19,21 @@ class Contact:
     Attributes
     ----------
     o1, o2 : CollisionGeometry
-        The geometries.
+        The geometries of the first and the second object.
     b1, b2 : int
-        Faces of the geometries; -1 for both if one body is inside the other or has no mesh.
+        Faces in contact, as indices into the faces of `o1` and `o2`; -1 for both if one body is
+        inside the other or has no mesh.
     pos : (3,) float64 array
-        A point of both geometries in the world frame, rounded. `pos`, `normal` and
+        A common point of both geometries in the world frame, rounded. `pos`, `normal` and
         `penetration_depth` exist only with ``enable_contact``.
     normal : (3,) float64 array
         Unit vector in the world frame, from the first object to the second. For two solids it is
         the shortest way to separate them. For surfaces it is the normal of the region in which they
         penetrate each other; faces are assumed to be counterclockwise as seen from outside.
     penetration_depth : float
-        Penetration depth along the normal, of the two solids or in this region, in world units; at
-        least zero.
+        In world units, at least zero. For two solids, or a body inside a solid: the upper bound of
+        `impinge.penetration`. With a geometry that is not a mesh: the upper bound at this contact.
+        Otherwise: the depth of the region in which the surfaces penetrate each other, rounded.
     """
 
     def __init__(self, o1: CollisionGeometry, o2: CollisionGeometry, b1: int, b2: int) -> None:
@@ -86,7 +88,7 @@ class CollisionData:
     result : CollisionResult
         The contacts found so far.
     done : bool
-        Whether the manager may stop.
+        Whether the requested number of contacts was found, so that the manager may stop.
     """
 
     def __init__(self, request: CollisionRequest | None = None, result: CollisionResult | None = None) -> None:
@@ -104,7 +106,7 @@ def collide(
     """Add the contacts of two objects to the result, and return the number of added contacts.
 
     The request limits the number of contacts. The number is 0 if and only if the objects do not
-    collide, or if the limit is 0.
+    collide, or if the limit is 0. Touching counts. Raise an `InputError` if the limit is invalid.
     """
     request = CollisionRequest() if request is None else request
     result = CollisionResult() if result is None else result
@@ -123,9 +125,9 @@ def collide(
 
 
 def defaultCollisionCallback(o1: CollisionObject, o2: CollisionObject, cdata: CollisionData) -> bool:
-    """Collide two objects, and return whether the manager may stop.
+    """Add the contacts of two objects to `cdata.result`, and return whether the manager may stop.
 
-    It may stop if the requested number of contacts was found.
+    It may stop if the number of contacts that `cdata.request` asks for was found.
     """
     if not cdata.done:
         collide(o1, o2, cdata.request, cdata.result)

@@ -20,7 +20,8 @@ class DistanceRequest:
     enable_nearest_points : bool
         Whether to return nearest points.
     enable_signed_distance : bool
-        Whether two solids that overlap have minus their depth as distance, instead of -1.
+        Whether two solids that overlap have minus their penetration depth as distance, instead of
+        -1.
     """
 
     def __init__(self, enable_nearest_points: bool = False, enable_signed_distance: bool = False) -> None:
@@ -29,20 +30,22 @@ class DistanceRequest:
 
 
 class DistanceResult:
-    """Minimum distance so far, and its nearest points.
+    """Minimum distance of all pairs measured so far, and the nearest points of that pair.
 
     Attributes
     ----------
     min_distance : float
-        In world units. If at least one body is solid and they collide, it is -1, or minus the depth
-        of two solids if signed distances are requested. Infinite at first.
+        In world units: the upper bound of `impinge.distance`. If at least one body is solid and
+        they collide, it is -1, or minus the depth of two solids if signed distances are requested.
+        Infinite at first.
     nearest_points : list of two (3,) float64 arrays
-        Nearest points on the two objects in the world frame, rounded; zero if they collide, or if
-        the points were not requested.
+        Nearest points on the two objects in the world frame, rounded; the deepest points if
+        `min_distance` is minus a depth. Zero if it is -1, or if the points were not requested.
     o1, o2 : CollisionGeometry or None
         The geometries of the two objects; None at first.
     b1, b2 : int
-        Nearest faces of the geometries; -1 for a solid, and for a body inside one.
+        Nearest faces, as indices into the faces of `o1` and `o2`; -1 for a solid, and for a body
+        inside one.
     """
 
     def __init__(self) -> None:
@@ -61,7 +64,7 @@ class DistanceData:
     request : DistanceRequest
         Options of `distance`.
     result : DistanceResult
-        The minimum distance so far.
+        The minimum distance so far, and its nearest points.
     done : bool
         Whether the manager may stop; set by the caller.
     """
@@ -80,9 +83,10 @@ def distance(
 ) -> float:
     """Return the distance of two objects in world units; store it in the result if a new minimum.
 
-    Two surfaces that intersect have distance 0. If at least one body is solid and they collide, the
-    distance is -1. With ``enable_signed_distance`` and two solids, it is minus their depth. Two
-    solids that only touch have distance 0.
+    It is the upper bound of `impinge.distance`, and infinite if a mesh is empty. Two surfaces that
+    intersect have distance 0. If at least one body is solid and they collide, the distance is -1.
+    With ``enable_signed_distance`` and two solids, it is minus their penetration depth. Two solids
+    that only touch have distance 0.
     """
     request = DistanceRequest() if request is None else request
     result = DistanceResult() if result is None else result
@@ -101,7 +105,8 @@ def defaultDistanceCallback(
 ) -> tuple[bool, float]:
     """Measure two objects; return whether the manager may stop, and the minimum distance so far.
 
-    It never allows the manager to stop early, unless ``cdata.done`` is set.
+    The minimum is stored in ``cdata.result``. The callback never allows the manager to stop early,
+    unless ``cdata.done`` is set.
     """
     if not cdata.done:
         distance(o1, o2, cdata.request, cdata.result)

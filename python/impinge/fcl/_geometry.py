@@ -28,7 +28,10 @@ class CollisionGeometry:
 
     @property
     def body(self) -> _bodies.Body:
-        """The surface or solid that the queries use; raises an `InputError` before `endModel`."""
+        """The surface or solid that the queries use.
+
+        Raise an `InputError` if the geometry is a `BVHModel` before `endModel`.
+        """
         if self._body is None:
             message = f"{type(self).__name__} is not complete; call endModel() first"
             raise InputError(message, kind="input", what="geom")
@@ -36,7 +39,10 @@ class CollisionGeometry:
 
 
 class BVHModel(CollisionGeometry):
-    """A surface of triangles, which are added between `beginModel` and `endModel`."""
+    """A surface of triangles, which are added between `beginModel` and `endModel`.
+
+    It cannot be queried before `endModel`.
+    """
 
     def __init__(self) -> None:
         super().__init__()
@@ -45,26 +51,29 @@ class BVHModel(CollisionGeometry):
         self._count = 0
 
     def num_tries_(self) -> int:
-        """Return the number of triangles (the name is that of python-fcl)."""
+        """Return the number of triangles added so far (the name is that of python-fcl)."""
         return sum(map(len, self._faces))
 
     def beginModel(self, num_tris_: int = 0, num_vertices_: int = 0) -> int:
-        """Start a new model; the arguments are hints that are ignored."""
+        """Start a new model without triangles, and return 0; the arguments are ignored."""
         self._vertices, self._faces, self._count, self._body = [], [], 0, None
         return 0
 
     def addVertex(self, x: float, y: float, z: float) -> bool:
-        """Add a vertex in the frame of the model, without a triangle."""
+        """Add a vertex in the frame of the model, without a triangle, and return True."""
         self._add(np.array([[real(x, "x"), real(y, "y"), real(z, "z")]]), np.zeros((0, 3), np.int64))
         return True
 
     def addTriangle(self, v1: ArrayLike, v2: ArrayLike, v3: ArrayLike) -> bool:
-        """Add a triangle with three (3,) positions in the frame of the model."""
+        """Add a triangle of three (3,) positions in the frame of the model, and return True."""
         self._add(_corners(v1=v1, v2=v2, v3=v3), np.array([[0, 1, 2]]))
         return True
 
     def addSubModel(self, verts: ArrayLike, triangles: ArrayLike) -> bool:
-        """Add (n, 3) positions, in the model's frame, and (m, 3) triangles of their indices."""
+        """Add (n, 3) positions, in the model's frame, and (m, 3) triangles; return True.
+
+        The indices of `triangles` refer to `verts`, and are validated by `endModel`.
+        """
         faces = plain_numbers(triangles, "triangles", _MAX_INDEX).astype(np.int64)
         if faces.size % 3:
             raise InputError(f"has shape {faces.shape}; (m, 3) is expected", kind="shape", what="triangles")
@@ -77,7 +86,10 @@ class BVHModel(CollisionGeometry):
         self._count += len(vertices)
 
     def endModel(self) -> int:
-        """Validate the triangles, build the hierarchy, and return 0."""
+        """Validate the triangles, build the hierarchy, and return 0.
+
+        Raise an `InputError` if a vertex or a triangle is invalid.
+        """
         vertices = np.concatenate([np.zeros((0, 3)), *self._vertices])
         faces = np.concatenate([np.zeros((0, 3), np.int64), *self._faces])
         self._body = _bodies.Body(Mesh(vertices, faces), solid=False)
@@ -85,7 +97,7 @@ class BVHModel(CollisionGeometry):
 
 
 class Box(CollisionGeometry):
-    """A solid box with the given side lengths, centered at the origin of its frame."""
+    """A solid box with side lengths `x`, `y` and `z`, centered at the origin of its frame."""
 
     def __init__(self, x: float, y: float, z: float) -> None:
         super().__init__()
@@ -97,15 +109,15 @@ class Box(CollisionGeometry):
 
     @property
     def side(self) -> NDArray[np.float64]:
-        """The three side lengths along x, y and z."""
+        """A copy of the three side lengths along x, y and z, in the frame of the box."""
         return self._side.copy()
 
 
 class Convex(CollisionGeometry):
-    """A solid with (n, 3) vertices, in its own frame, and a convex surface.
+    """A solid with (n, 3) vertices, in its own frame, and a convex surface; convexity is assumed.
 
     `faces` is a flat list: for each of the `num_faces` polygons the number of its corners, then the
-    indices of its corners.
+    indices of its corners. An `InputError` is raised if the list is too short or invalid.
     """
 
     def __init__(self, vertices: ArrayLike, num_faces: int, faces: Iterable[int]) -> None:
@@ -128,7 +140,7 @@ class Convex(CollisionGeometry):
 
     @property
     def num_faces(self) -> int:
-        """Number of polygons."""
+        """Number of polygons of the surface, as given, not of triangles."""
         return self._num_faces
 
 
@@ -141,7 +153,13 @@ class TriangleP(CollisionGeometry):
 
 
 class CollisionObject:
-    """A geometry with a transform, world from geometry; the default is the identity."""
+    """A geometry with a transform, world from geometry; the default is the identity.
+
+    Attributes
+    ----------
+    geometry : CollisionGeometry
+        The surface or solid, in its own frame; may be shared by several objects.
+    """
 
     def __init__(self, geom: CollisionGeometry, tf: Transform | None = None) -> None:
         if not isinstance(geom, CollisionGeometry):
@@ -152,16 +170,19 @@ class CollisionObject:
 
     @property
     def matrix(self) -> NDArray[np.float64]:
-        """Pose (4, 4), world from geometry."""
+        """Pose (4, 4) of the object, world from geometry."""
         return self._transform.matrix
 
     @property
     def box(self) -> NDArray[np.float64]:
-        """Lower and upper corners, (2, 3), of a world-frame box that contains the object."""
+        """Lower and upper corners, (2, 3), of a world-frame box that contains the object.
+
+        Infinite for a half-space; NaN if the object has no points.
+        """
         return self.geometry.body.box_at(self.matrix)
 
     def getTransform(self) -> Transform:
-        """Return a copy of the transform."""
+        """Return a copy of the transform, world from geometry."""
         return Transform(self._transform)
 
     def setTransform(self, tf: Transform) -> None:
@@ -169,15 +190,15 @@ class CollisionObject:
         self._transform = Transform(tf)
 
     def getTranslation(self) -> NDArray[np.float64]:
-        """Return the (3,) translation, in world units."""
+        """Return a copy of the (3,) translation, world from geometry, in world units."""
         return self._transform.getTranslation()
 
     def setTranslation(self, vec: ArrayLike) -> None:
-        """Set the (3,) translation, in world units."""
+        """Set the (3,) translation, world from geometry, in world units."""
         self._transform.setTranslation(vec)
 
     def getRotation(self) -> NDArray[np.float64]:
-        """Return the (3, 3) rotation matrix, world from geometry."""
+        """Return a copy of the (3, 3) rotation matrix, world from geometry."""
         return self._transform.getRotation()
 
     def setRotation(self, mat: ArrayLike) -> None:
@@ -185,11 +206,14 @@ class CollisionObject:
         self._transform.setRotation(mat)
 
     def getQuatRotation(self) -> NDArray[np.float64]:
-        """Return the rotation as a unit quaternion, real part first."""
+        """Return the rotation as a unit quaternion, rounded: real part first, at least zero."""
         return self._transform.getQuatRotation()
 
     def setQuatRotation(self, q: ArrayLike) -> None:
-        """Set the rotation to that of a unit quaternion, real part first."""
+        """Set the rotation, world from geometry, to that of a unit quaternion, real part first.
+
+        Raise an `InputError` unless its length is within 1e-3 of 1.
+        """
         self._transform.setQuatRotation(q)
 
 

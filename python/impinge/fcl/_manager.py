@@ -28,7 +28,8 @@ def nearest_first(
 ) -> None:
     """Measure pairs in ascending order of the gap between their boxes.
 
-    The search stops if no other pair can be nearer than the minimum distance so far.
+    `measure` gets two objects and the minimum distance so far, and returns whether to stop, and the
+    new minimum. The search also stops if no other pair can be nearer than the minimum.
     """
     boxes = {id(own): own.box for pair in pairs for own in pair}
     gaps = [_bodies.gap(boxes[id(o1)], boxes[id(o2)]) for o1, o2 in pairs]
@@ -43,17 +44,20 @@ def nearest_first(
 
 
 class DynamicAABBTreeCollisionManager:
-    """Manager of many objects that passes pairs with overlapping boxes to a callback."""
+    """Manager of many objects that passes pairs which may collide, or be nearest, to a callback.
+
+    It keeps references to the objects, and every query uses their current transforms.
+    """
 
     def __init__(self) -> None:
         self._objects: list[CollisionObject] = []
 
     def registerObjects(self, other_objs: Sequence[CollisionObject]) -> None:
-        """Add several objects."""
+        """Add several objects, even if they are registered already."""
         self._objects += other_objs
 
     def registerObject(self, obj: CollisionObject) -> None:
-        """Add an object."""
+        """Add an object, even if it is registered already."""
         self._objects.append(obj)
 
     def unregisterObject(self, obj: CollisionObject) -> None:
@@ -75,20 +79,21 @@ class DynamicAABBTreeCollisionManager:
         return list(self._objects)
 
     def size(self) -> int:
-        """Return the number of objects."""
+        """Return the number of registered objects."""
         return len(self._objects)
 
     def empty(self) -> bool:
-        """Report whether there are no objects."""
+        """Report whether no objects are registered."""
         return not self._objects
 
     def distance(self, *args: Any) -> None:
         """Pass pairs to ``callback(o1, o2, cdata, dist)``, in ascending order of their boxes' gaps.
 
-        The callback returns whether to stop, and the minimum distance so far; `dist` is that
-        minimum. Pairs whose boxes are farther apart are skipped. ``distance(cdata, callback)``
-        measures pairs within the manager. ``distance(other, cdata, callback)`` measures against an
-        object or another manager.
+        The callback returns whether to stop, and the minimum distance so far. `dist` is the minimum
+        that the last call returned, infinite at first. Pairs whose boxes are farther apart are
+        skipped. ``distance(cdata, callback)`` measures pairs within the manager.
+        ``distance(other, cdata, callback)`` measures against an object or another manager. Raise an
+        `InputError` for other arguments.
         """
         if len(args) == 2:
             pairs = list(combinations(self._objects, 2))
@@ -104,8 +109,9 @@ class DynamicAABBTreeCollisionManager:
     def collide(self, *args: Any) -> None:
         """Pass pairs with overlapping boxes to ``callback(o1, o2, cdata)`` until it returns True.
 
-        ``collide(cdata, callback)`` collides pairs within the manager.
-        ``collide(other, cdata, callback)`` collides with an object or another manager.
+        ``collide(cdata, callback)`` passes pairs within the manager.
+        ``collide(other, cdata, callback)`` passes pairs with an object or another manager. Boxes
+        that touch overlap. Raise an `InputError` for other arguments.
         """
         if len(args) == 2:
             self._collide_within(*args)

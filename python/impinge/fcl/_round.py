@@ -20,7 +20,7 @@ class _Solid(CollisionGeometry):
 
 
 class Sphere(_Solid):
-    """A solid sphere with the given radius, centered at the origin of its frame."""
+    """A solid sphere with a radius of at least zero, centered at the origin of its frame."""
 
     def __init__(self, radius: float) -> None:
         self.radius = real(radius, "radius")
@@ -36,7 +36,7 @@ class Capsule(_Solid):
 
 
 class Cylinder(_Solid):
-    """A solid cylinder with length `lz` along z, centered at the origin of its frame."""
+    """A solid cylinder of `radius` and length `lz` along z, centered at the origin of its frame."""
 
     def __init__(self, radius: float, lz: float) -> None:
         self.radius, self.lz = real(radius, "radius"), real(lz, "lz")
@@ -52,7 +52,10 @@ class Cone(_Solid):
 
 
 class Ellipsoid(_Solid):
-    """A solid ellipsoid with the given half-axes, centered at the origin of its frame."""
+    """A solid ellipsoid with half-axes `x`, `y` and `z`, centered at the origin of its frame.
+
+    The attribute `radii` holds the three half-axes.
+    """
 
     def __init__(self, x: float, y: float, z: float) -> None:
         self.radii: NDArray[np.float64] = np.array([real(x, "x"), real(y, "y"), real(z, "z")])
@@ -62,7 +65,8 @@ class Ellipsoid(_Solid):
 class Halfspace(_Solid):
     """The half-space of all points x, in its own frame, with ``n @ x <= d``.
 
-    Both `n` and `d` are divided by the length of `n`.
+    The attributes `n` and `d` are the arguments, divided by the length of `n`. An `InputError` is
+    raised if `n` is zero or not finite.
     """
 
     def __init__(self, n: ArrayLike, d: float) -> None:

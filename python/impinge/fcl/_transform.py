@@ -19,6 +19,11 @@ class Transform:
     Made by ``Transform()``, ``Transform(other)``, ``Transform(R)``, ``Transform(q)``,
     ``Transform(t)``, ``Transform(R, t)`` or ``Transform(q, t)``. ``R`` is a (3, 3) matrix, used
     unchanged; ``q`` is a unit quaternion, real part first; ``t`` is a translation in world units.
+
+    Attributes
+    ----------
+    matrix : (4, 4) float64 array
+        The pose, world from geometry, for column vectors.
     """
 
     def __init__(self, *args: Transform | ArrayLike) -> None:
@@ -49,28 +54,40 @@ class Transform:
         return self.matrix[:3, :3].copy()
 
     def getTranslation(self) -> NDArray[np.float64]:
-        """Return a copy of the (3,) translation, in world units."""
+        """Return a copy of the (3,) translation, world from geometry, in world units."""
         return self.matrix[:3, 3].copy()
 
     def getQuatRotation(self) -> NDArray[np.float64]:
-        """Return the rotation as a unit quaternion, real part first, at least zero; rounded."""
+        """Return the rotation as a unit quaternion, rounded: real part first, at least zero."""
         return _quaternion(self.matrix[:3, :3])
 
     def setRotation(self, R: ArrayLike) -> None:
-        """Set the (3, 3) rotation matrix, world from geometry, used unchanged."""
+        """Set the (3, 3) rotation matrix, world from geometry, used unchanged.
+
+        Raise an `InputError` if it has another shape or is not finite.
+        """
         self.matrix = pose(self.matrix[:3, 3], rotation=shaped(R, (3, 3), "R"))
 
     def setTranslation(self, T: ArrayLike) -> None:
-        """Set the (3,) translation, in world units."""
+        """Set the (3,) translation, world from geometry, in world units.
+
+        Raise an `InputError` if it has another shape or is not finite.
+        """
         self.matrix = pose(shaped(T, (3,), "T"), rotation=self.matrix[:3, :3])
 
     def setQuatRotation(self, q: ArrayLike) -> None:
-        """Set the rotation to that of a unit quaternion, real part first."""
+        """Set the rotation to that of a unit quaternion, real part first.
+
+        Raise an `InputError` unless its length is within 1e-3 of 1.
+        """
         self.matrix = pose(self.matrix[:3, 3], quat_wxyz=shaped(q, (4,), "q"))
 
 
 def shaped(value: ArrayLike, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
-    """Return a finite float64 array, which must have exactly this shape."""
+    """Return a value as a finite float64 array.
+
+    Raise an `InputError` unless it has exactly this shape and all its numbers are finite.
+    """
     array = plain_reals(value, name, shape)
     if array.shape != shape:
         raise InputError(f"has shape {array.shape}; {shape} is expected", kind="shape", what=name)
