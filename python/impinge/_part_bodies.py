@@ -79,7 +79,7 @@ class PartBodies:
             As for `World.insert`.
         owner : int, optional
             A number that only this character uses, so that its parts do not collide with each
-            other. If it is None, overlapping parts collide.
+            other. Without it, overlapping parts collide.
         tag : int
             Tag of the first part; part ``i`` gets ``tag + i``.
 

@@ -214,7 +214,7 @@ class CollisionManager:
         It is infinite if the manager is empty. Intersecting surfaces have distance 0. A solid (a
         convex mesh) that collides with a surface gives -1, and two solids that overlap give minus
         the depth. `transform` is world from mesh. If requested, the name of the nearest mesh in the
-        manager and a `DistanceData` follow; both are None if the distance is infinite.
+        manager and a `DistanceData` follow, or None twice if the distance is infinite.
         """
         other = (_EXTERNAL, _object(mesh, transform))
         pairs = [((name, own), other) for name, own in self._objects.items()]

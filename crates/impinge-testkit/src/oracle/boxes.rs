@@ -3,11 +3,11 @@
 //! **Bound.** Let u = 2^-53, c = r0 x + r1 y + r2 z + t over the reals, and S = |r0 x| + |r1 y| +
 //! |r2 z| + |t|. Computed in f64, c' differs from c by at most 4u/(1-4u) S, by one rounding of each
 //! product and three sums, and by 3 · 2^-1075 if products underflow (Higham, *Accuracy and
-//! Stability of Numerical Algorithms*, 3.1). The computed S' has the same error, so S ≤ S'(1 + 5u)
-//! + 2^-1073 and |c' - c| ≤ 5u S' + 2^-1072. The reach used, `8u S' + 2^-1070`, exceeds that by
-//! more than 1/3 of itself, and so by more than the rounding of its own sum. Subtracting and adding
-//! it rounds once more, which one step outward compensates. If anything overflows, the bounds are
-//! infinite.
+//! Stability of Numerical Algorithms*, 3.1). The computed S' has the same error, so
+//! S ≤ S'(1 + 5u) + 2^-1073 and |c' - c| ≤ 5u S' + 2^-1072. The reach used, `8u S' + 2^-1070`,
+//! exceeds that by more than 1/3 of itself, and so by more than the rounding of its own sum.
+//! Subtracting and adding it rounds once more, which one step outward compensates. If anything
+//! overflows, the bounds are infinite.
 
 use crate::{Affine, Posed};
 

@@ -12,8 +12,7 @@ use super::transform::{Transform, normalized};
 pub enum Target {
     /// The translation of the bone with this index, relative to its parent: three values per key.
     Translation(u32),
-    /// The rotation of the bone with this index, relative to its parent: a quaternion (w, x, y, z)
-    /// per key.
+    /// The rotation of the bone with this index: a quaternion (w, x, y, z) per key.
     Rotation(u32),
     /// The scale of the bone with this index along its own axes: three values per key.
     Scale(u32),
@@ -104,9 +103,8 @@ impl Animation {
     /// Validates channels. `index` is the index of the animation in its rig, for error messages.
     ///
     /// # Errors
-    /// Returns an error that names the channel or the key if a number is not finite or out of
-    /// range, a rotation or scale is zero, times do not increase, or the number of values does not
-    /// match the keys.
+    /// If a number is not finite or out of range, a rotation or scale is zero, times do not
+    /// increase, or the number of values does not match the keys. The error names the channel.
     pub fn new(name: String, channels: Vec<Channel>, index: usize) -> Result<Self, RigError> {
         let (mut timelines, mut tracks, mut given) = (Vec::<Timeline>::new(), Vec::<Track>::new(), Vec::new());
         // The timeline of each list of times. Adding zero makes both zeros equal.
@@ -386,16 +384,15 @@ mod tests {
         let error = |target, interpolation, times: &[f64], values: &[f64]| {
             Animation::new(String::new(), vec![channel(target, interpolation, times, values)], 7).unwrap_err()
         };
-        let (linear, bone) = (Interpolation::Linear, 0);
-        let key = |key| RigPlace::Key { animation: 7, channel: 0, key };
+        let (linear, bone, key) = (Interpolation::Linear, 0, |key| RigPlace::Key { animation: 7, channel: 0, key });
         let nan = error(Target::MorphWeight(0), linear, &[0.0, 1.0], &[0.0, f64::NAN]);
         assert_eq!(nan, RigError::new(RigErrorKind::NonFinite { what: "key" }, key(1)));
         let back = error(Target::MorphWeight(0), linear, &[0.0, 0.0], &[0.0, 1.0]);
         assert_eq!(back, RigError::new(RigErrorKind::TimesNotIncreasing, key(1)));
         let time = error(Target::MorphWeight(0), linear, &[f64::NAN], &[0.0]);
         assert_eq!(time, RigError::new(RigErrorKind::NonFinite { what: "time" }, key(0)));
-        let few = error(Target::Rotation(bone), linear, &[0.0], &[0.0; 3]);
-        assert_eq!(few.kind(), &RigErrorKind::OtherCount { what: "values", count: 3, expected: 4 });
+        let expected = RigErrorKind::OtherCount { what: "values", count: 3, expected: 4 };
+        assert_eq!(error(Target::Rotation(bone), linear, &[0.0], &[0.0; 3]).kind(), &expected);
         assert_eq!(error(Target::Rotation(bone), linear, &[0.0], &[0.0; 4]).kind(), &RigErrorKind::ZeroRotation);
         assert_eq!(error(Target::Scale(bone), linear, &[0.0], &[1.0, 0.0, 1.0]).kind(), &RigErrorKind::ZeroScale);
         assert!(matches!(error(Target::Scale(bone), linear, &[], &[]).kind(), RigErrorKind::OtherCount { .. }));
