@@ -55,7 +55,7 @@ def real(value: object, name: str, *, minimum: float = -math.inf) -> float:
 
 
 def flag(value: object, name: str) -> bool:
-    """Return True or False; bools of NumPy are accepted."""
+    """Return a bool of Python or NumPy as a bool; raise `InputError` for anything else."""
     if not isinstance(value, bool | np.bool_):
         raise InputError(f"must be True or False, not {_shown(value)}", kind="type", what=name)
     return bool(value)

@@ -197,7 +197,7 @@ def sphere_of(numbers: Numbers) -> Sphere:
 
 
 def obb_of(numbers: Numbers) -> Obb:
-    """Return an oriented box from its center, axes, half-extents and lower bound."""
+    """Return an oriented box from its center, axes, half-extents and lower bound of its volume."""
     rows, (lower,), sizes = _sized(numbers)
     return Obb(rows[0], rows[1:4], rows[4], float(lower), **sizes)
 

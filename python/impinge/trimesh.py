@@ -254,7 +254,7 @@ class CollisionManager:
 
 
 def mesh_to_BVH(mesh: HasTriangles) -> fcl.BVHModel:  # noqa: N802
-    """Return the surface of a mesh as a geometry of `impinge.fcl`, in the mesh frame."""
+    """Return the surface of a mesh as a `BVHModel` of `impinge.fcl`, in the mesh frame."""
     model = fcl.BVHModel()
     model.beginModel(len(mesh.faces), len(mesh.vertices))
     model.addSubModel(mesh.vertices, mesh.faces)

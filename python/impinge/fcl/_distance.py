@@ -105,8 +105,8 @@ def defaultDistanceCallback(
 ) -> tuple[bool, float]:
     """Measure two objects; return whether the manager may stop, and the minimum distance so far.
 
-    The minimum is stored in ``cdata.result``. The callback never allows the manager to stop early,
-    unless ``cdata.done`` is set.
+    The minimum is stored in ``cdata.result``, with the same meaning as in `distance`; `dist` is not
+    used. The callback never allows the manager to stop early, unless ``cdata.done`` is set.
     """
     if not cdata.done:
         distance(o1, o2, cdata.request, cdata.result)

@@ -40,7 +40,8 @@ pub struct Skeleton {
 }
 
 impl Skeleton {
-    /// Validates bones, given in any order.
+    /// Returns the skeleton of these bones, which may come in any order and keep their indices.
+    /// Quaternions are normalized.
     ///
     /// # Errors
     /// Returns an error that names the bone if a parent does not exist, there is a cycle, or a

@@ -53,7 +53,7 @@ impl VolumeKind {
     }
 }
 
-/// A convex volume in its own frame.
+/// A convex volume in its own frame, which rays and other volumes may hit.
 #[derive(Clone, Debug)]
 pub enum HitVolume {
     /// A sphere.
@@ -283,11 +283,13 @@ impl HitVolume {
     }
 
     /// Returns the shape in its own frame, and the pose of that frame in the world, as needed for a
-    /// body of a [`World`](crate::world::World). The frame of a box has the box's axes and center;
-    /// all other shapes use the volume's own frame.
+    /// body of a [`World`](crate::world::World). The frame of a box has the box's axes and center,
+    /// and the entries of its pose are rounded as by [`Pose::compose`]. All other shapes use the
+    /// volume's own frame, and `world_from_local` is returned unchanged.
     ///
     /// # Errors
-    /// Returns an error if the volume exceeds the range of shapes.
+    /// If the volume exceeds the range of shapes, or the pose of a box exceeds that of poses or is
+    /// singular after rounding.
     pub fn shape_in(&self, world_from_local: Pose) -> Result<(Shape, Pose), InputError> {
         let shape = match self {
             Self::Sphere(sphere) => Shape::sphere(sphere.center(), sphere.radius())?,

@@ -1,4 +1,4 @@
-//! Tests whether two volumes in their frames overlap.
+//! Tests whether two hit volumes of characters may overlap; a no is proved.
 //!
 //! Tests: `impinge-files/tests/it/characters/strikes.rs`. Benchmark: `characters`.
 

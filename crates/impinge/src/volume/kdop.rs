@@ -111,13 +111,15 @@ impl<const D: usize> Kdop<D> {
         Ok(kdop)
     }
 
-    /// Returns the minimum of n · x for each n of [`DIRECTIONS`](Self::DIRECTIONS).
+    /// Returns the lower bound of n · x for each n of [`DIRECTIONS`](Self::DIRECTIONS), as stored.
+    /// The minimum over the polytope may be larger, if other faces cut it off.
     #[must_use]
     pub fn low(&self) -> [f64; D] {
         self.low
     }
 
-    /// Returns the maximum of n · x for each n of [`DIRECTIONS`](Self::DIRECTIONS).
+    /// Returns the upper bound of n · x for each n of [`DIRECTIONS`](Self::DIRECTIONS), as stored.
+    /// The maximum over the polytope may be smaller, if other faces cut it off.
     #[must_use]
     pub fn high(&self) -> [f64; D] {
         self.high

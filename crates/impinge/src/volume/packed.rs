@@ -18,8 +18,8 @@ mod sealed {
     impl Sealed for u16 {}
 }
 
-/// An unsigned integer that counts steps: `u8` or `u16`. The exponent of the step length has the
-/// same size, so a packed box has no padding bytes.
+/// The unsigned integer that holds an extent of a packed box, in steps: `u8` or `u16`. The exponent
+/// of the step length has the same size, so a packed box has no padding bytes.
 pub trait Steps: sealed::Sealed + Copy + PartialEq + std::fmt::Debug + Send + Sync + Into<u32> + 'static {
     /// The integer type that holds the exponent of the step length.
     type Exponent: Copy + PartialEq + std::fmt::Debug + Send + Sync + Into<i32> + 'static;

@@ -29,7 +29,8 @@ pub enum Proximity {
     Apart,
     /// The sets are proved to have a common point.
     Intersects,
-    /// Rounding leaves it undecided: the sets touch or nearly touch. Treat this as a hit.
+    /// It is undecided: the sets touch or nearly touch to within rounding, or it depends on the
+    /// inside of an open mesh. Treat this as a hit.
     Undecided,
 }
 

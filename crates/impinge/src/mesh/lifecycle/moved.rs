@@ -1,4 +1,5 @@
-//! Fits a tree to vertices. A build, a refit and the validation of stored arrays share this code.
+//! Computes the boxes and slabs of all nodes of a tree from the vertices. A build, a refit and the
+//! validation of stored arrays share this code.
 
 use rayon::prelude::*;
 

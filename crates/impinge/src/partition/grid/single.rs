@@ -1,4 +1,4 @@
-//! Grids of cells of one size.
+//! Grids of cells of one size: dense (`UniformGrid`) and hashed (`HashedGrid`).
 
 use std::ops::ControlFlow;
 

@@ -28,7 +28,7 @@ pub struct Batch<'e> {
 }
 
 impl<'e> Batch<'e> {
-    /// Returns a batch of two things at their poses. Each thing is a mesh, a solid
+    /// Returns a batch of two things at their poses. Each of the two is a mesh, a solid
     /// (`mesh.solid()`), a shape or a compound. Each pose maps the frame of its thing to the world
     /// frame.
     ///
@@ -106,8 +106,9 @@ impl<'e> Batch<'e> {
         status
     }
 
-    /// Returns [`proximity`](crate::query::proximity()) of the two things for each row. A row with
-    /// an invalid pose gets `Undecided`.
+    /// Returns for each row whether the two things have a point in common, or that this is
+    /// undecided, as [`proximity`](crate::query::proximity()). Touching counts. A row with an
+    /// invalid pose gets `Undecided`.
     ///
     /// # Errors
     /// As for [`each`](Self::each).
@@ -224,7 +225,8 @@ impl<'e> Batch<'e> {
         })
     }
 
-    /// Returns [`intersection_curves`](crate::query::intersection_curves()) for each row. There are
+    /// Returns for each row the curves along which the surfaces intersect, in the world frame, as
+    /// [`intersection_curves`](crate::query::intersection_curves()) does. There are
     /// no curves if one of the things is not a mesh. A row with an invalid pose has no curves
     /// either: check the status of the row.
     ///
