@@ -1,4 +1,4 @@
-"""One axis-aligned box against many, for `impinge.fit`."""
+"""Overlap tests of one axis-aligned box against many, for `impinge.fit`."""
 
 from __future__ import annotations
 

@@ -359,7 +359,7 @@ class PackedMinWidths(PackedBox):
 
 @final
 class PackedCenterRadius(PackedBox):
-    """A packed box by its center and its half-extents; `CenterRadius.packed` makes it."""
+    """A packed box by its center and half-extents, which contains the box it was made from."""
 
     __slots__ = ()
 

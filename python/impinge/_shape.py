@@ -229,6 +229,9 @@ class Shape(_impinge.ShapeBase):
     def compound(cls, parts: Iterable[tuple[Shape | Mesh, ArrayLike | None]]) -> Shape:
         """Return the union of several shapes as one shape.
 
+        The pose of a part in the world is the product of the compound's pose and the part's own
+        pose, rounded. Answers about a compound are answers about its parts at these poses.
+
         Parameters
         ----------
         parts : iterable of (Shape or Mesh, (4, 4) array_like or None)
@@ -238,7 +241,7 @@ class Shape(_impinge.ShapeBase):
         Raises
         ------
         InputError
-            If there are no parts, or if a pose is invalid.
+            If there are no parts, or if a pose, or a product of poses, is invalid.
 
         Examples
         --------

@@ -42,11 +42,6 @@ class World(WorldQueries):
         Test of pairs with overlapping boxes: whether they intersect, and their contacts; only
         whether they intersect; or no test, so that all such pairs count as intersecting.
 
-    Raises
-    ------
-    InputError
-        If there is no such option.
-
     Notes
     -----
     Steps and queries use all processors (see `impinge.threads`), without the interpreter's lock.
@@ -191,7 +186,11 @@ class World(WorldQueries):
         return self._core.pairs(None if body is None else handle(body))[0]
 
     def undecided(self) -> NDArray[np.bool_]:
-        """Report which of `pairs` are undecided, (p,): round shapes that touch within rounding."""
+        """Report which of `pairs` are undecided, (p,).
+
+        These are round shapes that touch within rounding, things that may be inside the solid of an
+        open mesh, and, with ``narrow_phase="boxes"``, all pairs.
+        """
         return self._core.pairs(None)[1]
 
     def contacts(self) -> ContactRows:

@@ -76,9 +76,9 @@ class Transform:
         self.matrix = pose(shaped(T, (3,), "T"), rotation=self.matrix[:3, :3])
 
     def setQuatRotation(self, q: ArrayLike) -> None:
-        """Set the rotation to that of a unit quaternion, real part first.
+        """Set the rotation, world from geometry, to that of a quaternion, real part first.
 
-        Raise an `InputError` unless its length is within 1e-3 of 1.
+        The quaternion is normalized. Raise an `InputError` unless its length is within 1e-3 of 1.
         """
         self.matrix = pose(self.matrix[:3, 3], quat_wxyz=shaped(q, (4,), "q"))
 

@@ -73,7 +73,7 @@ pub enum RigErrorKind {
     UnboundedMotion,
 }
 
-/// A place in a rig. All indices count from zero.
+/// The place in a rig that an error is about. All indices count from zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum RigPlace {

@@ -1,4 +1,5 @@
-//! The interface of every exact arithmetic for the six corners of a pair of triangles.
+//! The trait that every exact arithmetic implements: signs of determinants and comparisons of the
+//! six corners of a pair of triangles.
 
 use crate::math::Sign;
 

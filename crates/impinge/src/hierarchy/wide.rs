@@ -134,7 +134,8 @@ impl Child {
     }
 }
 
-/// The tree that queries descend. Leaves are numbered in preorder; the caller stores their content.
+/// The bounding volume hierarchy that queries descend, with up to eight children per node. Leaves
+/// are numbered in preorder; the caller stores their content.
 #[derive(Debug)]
 pub struct WideTree {
     nodes: Buffer<Node>,

@@ -23,8 +23,9 @@ pub struct Pair<'w> {
     /// Tags and handles of the two bodies.
     pub key: PairKey,
     /// Whether the intersection is proved ([`Intersects`](Proximity::Intersects)) or undecided
-    /// ([`Undecided`](Proximity::Undecided)). It is always proved for meshes, boxes and hulls,
-    /// except with [`NarrowPhase::Boxes`](super::NarrowPhase::Boxes).
+    /// ([`Undecided`](Proximity::Undecided)). It is always proved if neither body is
+    /// round or the solid of an open mesh, except with
+    /// [`NarrowPhase::Boxes`](super::NarrowPhase::Boxes).
     pub proximity: Proximity,
     /// Contacts in the world frame, as returned by [`contacts`](crate::query::contacts). Empty if
     /// the world does not compute contacts.

@@ -1,4 +1,4 @@
-//! The box of the rotated box, for one box or many.
+//! The axis-aligned box around a box that a pose has rotated, for one box or many.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x4};
