@@ -94,7 +94,6 @@ impl<'a> Buffers<'a> {
 }
 
 /// Returns the different contents, and for each buffer the index of its content.
-#[expect(clippy::type_complexity, reason = "used once")]
 fn contents<'d, 'a>(
     buffers: &'d [Buffer],
     chunk: Option<&'a [u8]>,

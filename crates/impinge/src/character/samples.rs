@@ -174,7 +174,7 @@ fn joint_spans(rig: &Rig, parts: &[PartVertices]) -> Vec<Vec<JointSpan>> {
                 moves.extend(offsets.iter().map(|&(morph, offset)| (at, morph, moved(offset))));
             }
         }
-        moves.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)));
+        moves.sort_by_key(|own| (own.0, own.1));
         for group in moves.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             let longest = group.iter().map(|own| own.2).fold(0.0, f64::max);
             spans[group[0].0].morphs.push((group[0].1 as usize, longest));
