@@ -1,6 +1,9 @@
 //! Limits on the size of a file's content, and budgets for content that a file repeats.
 
-use crate::error::{LoadError, LoadErrorKind};
+use crate::{
+    error::{LoadError, LoadErrorKind},
+    text::MAX_NAME,
+};
 
 /// Limits on the size of a file's content.
 ///
@@ -90,7 +93,10 @@ pub(crate) fn too_many_triangles(count: u64, limit: u64) -> LoadError {
 /// several references to the same data. Without it, a file of a few hundred bytes could take any
 /// amount of memory and time.
 #[derive(Clone, Copy)]
-pub(crate) struct Budget(u64);
+pub(crate) struct Budget {
+    max: u64,
+    hint: &'static str,
+}
 
 impl Budget {
     /// Returns the budget for vertices, corners of triangles and similar items: 16 per byte of the
@@ -101,34 +107,47 @@ impl Budget {
     /// memory; a smaller one rejects assemblies that repeat their parts many times.
     pub(crate) fn for_bytes(bytes: u64, limits: &Limits) -> Self {
         let own = bytes.saturating_mul(16).clamp(1 << 20, 1 << 24).max(bytes.saturating_mul(4));
-        let requested = limits.max_triangles.unwrap_or(0).saturating_mul(3);
-        Self(own.max(requested).min(u64::from(u32::MAX)))
+        Self::new(own, 3, limits)
     }
 
     /// Returns the budget for the bytes of all part names: 2^24, or 32 per byte of the file if that
-    /// is more. A name has at most [`MAX_NAME`](crate::text::MAX_NAME) bytes, and a node that is
-    /// used once takes at least 10 bytes.
-    pub(crate) fn for_names(bytes: u64) -> Self {
-        Self(bytes.saturating_mul(32).clamp(1 << 24, u64::from(u32::MAX)))
+    /// is more. A name has at most [`MAX_NAME`] bytes, and a node that is used once takes at least
+    /// 10 bytes. The budget is raised to the longest possible names for as many parts as the caller
+    /// allows triangles.
+    pub(crate) fn for_names(bytes: u64, limits: &Limits) -> Self {
+        let longest = (size_of::<String>() + MAX_NAME) as u64;
+        Self::new(bytes.saturating_mul(32).max(1 << 24), longest, limits)
     }
 
     /// Returns the budget for visited nodes, counted once for each path that reaches them: 2^18, or
     /// one per byte of the file if that is more. A node that is reached once takes more than one
-    /// byte.
-    pub(crate) fn for_nodes(bytes: u64) -> Self {
-        Self(bytes.clamp(1 << 18, u64::from(u32::MAX)))
+    /// byte. The budget is raised to the maximum number of triangles that the caller allows.
+    pub(crate) fn for_nodes(bytes: u64, limits: &Limits) -> Self {
+        Self::new(bytes.max(1 << 18), 1, limits)
+    }
+
+    /// Returns a budget of `own` items, or of `per_triangle` for each triangle that the caller
+    /// allows if that is more.
+    fn new(own: u64, per_triangle: u64, limits: &Limits) -> Self {
+        let requested = limits.max_triangles.unwrap_or(0).saturating_mul(per_triangle);
+        Self {
+            max: own.max(requested).min(u64::from(u32::MAX)),
+            hint: "counted over all instances; if you trust the file, load it with a larger max_triangles, \
+                or store fewer instances",
+        }
+    }
+
+    /// Returns the same budget for a file that is read without [`Limits`].
+    pub(crate) fn without_limits(self) -> Self {
+        Self { hint: "counted over all instances and animations; store less in one file", ..self }
     }
 
     /// Returns an error if `count` exceeds the budget; `what` names the items.
     pub(crate) fn check(self, what: &'static str, count: u64) -> Result<(), LoadError> {
-        if count <= self.0 {
+        if count <= self.max {
             return Ok(());
         }
-        let error = LoadError::new(LoadErrorKind::TooMany { what, count, limit: self.0 });
-        Err(error.with_hint(
-            "counted over all instances; if you trust the file, load it with a larger max_triangles, \
-            or store fewer instances",
-        ))
+        Err(LoadError::new(LoadErrorKind::TooMany { what, count, limit: self.max }).with_hint(self.hint))
     }
 }
 
@@ -138,7 +157,7 @@ mod tests {
 
     #[test]
     fn budgets_grow_with_the_file_and_with_the_limit_of_the_caller() {
-        let budget = |bytes, limits: &Limits| Budget::for_bytes(bytes, limits).0;
+        let budget = |bytes, limits: &Limits| Budget::for_bytes(bytes, limits).max;
         let default = Limits::default();
         assert_eq!(budget(0, &default), 1 << 20);
         assert_eq!(budget(100_000, &default), 1_600_000);

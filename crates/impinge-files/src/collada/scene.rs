@@ -65,8 +65,8 @@ impl<'t, 'a> Scene<'t, 'a> {
     pub(super) fn new(tree: &'t Tree<'a>, bytes: u64, limits: &Limits) -> Self {
         let budgets = Budgets {
             elements: Budget::for_bytes(bytes, limits),
-            nodes: Budget::for_nodes(bytes),
-            names: Budget::for_names(bytes),
+            nodes: Budget::for_nodes(bytes, limits),
+            names: Budget::for_names(bytes, limits),
         };
         Self {
             tree,

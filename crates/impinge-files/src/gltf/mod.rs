@@ -56,7 +56,7 @@ pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>, limits: 
     let buffers = Buffers::load(&document.buffers, chunk, folder, limits)?;
     let source = Source { document: &document, buffers: &buffers, json_len: json.len() as u64 };
     let len = bytes.len() as u64 + buffers.total_len();
-    let instances = scene::instances(&document, &mut faces.warnings, Budget::for_nodes(len))?;
+    let instances = scene::instances(&document, &mut faces.warnings, Budget::for_nodes(len, limits))?;
     check_budget(&source, &instances, len, limits)?;
 
     let mut reader = Reader { source, positions: Vec::new(), parts: Vec::new(), faces };
@@ -107,7 +107,7 @@ const CONVERT_VERSION_1: &str = "convert it to glTF 2.0, for example with `npx g
 /// elements or bytes of names, before anything is decoded. The file and its buffers have `len`
 /// bytes.
 fn check_budget(source: &Source<'_>, instances: &[Instance], len: u64, limits: &Limits) -> Result<(), LoadError> {
-    let (budget, names) = (Budget::for_bytes(len, limits), Budget::for_names(len));
+    let (budget, names) = (Budget::for_bytes(len, limits), Budget::for_names(len, limits));
     let mut of_mesh = vec![None; source.document.meshes.len()];
     let mut total = [0_u64; 4];
     let mut name_bytes = 0_u64;

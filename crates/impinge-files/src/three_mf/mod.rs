@@ -32,7 +32,7 @@ pub(crate) fn read(bytes: &[u8], file_size: u64, limits: &Limits) -> Result<Mode
     let mut package = Package::open(bytes, file_size, limits)?;
     let start = package.start_part()?;
     let models = Models::load(&mut package, start)?;
-    let budgets = Budgets { items: Budget::for_bytes(file_size, limits), names: Budget::for_names(file_size) };
+    let budgets = Budgets { items: Budget::for_bytes(file_size, limits), names: Budget::for_names(file_size, limits) };
     let Build { positions, parts, faces, .. } = Build::run(&models, budgets, limits)?;
     faces.into_model(stored(positions), parts, Some(models.unit()), Format::ThreeMf)
 }

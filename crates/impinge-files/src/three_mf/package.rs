@@ -72,7 +72,8 @@ impl<'a> Package<'a> {
 
     /// Returns the entry of a part, or `None`. Names of parts are compared without case.
     fn find(&self, path: &str) -> Option<Entry> {
-        let exact = self.archive.index_for_name(path.trim_start_matches('/'));
+        // Other lookups of the crate walk over all entries if the name does not exist.
+        let exact = self.archive.index_for_name_raw(path.trim_start_matches('/').as_bytes());
         exact.or_else(|| self.by_name.get(&folded(path)).copied())
     }
 }

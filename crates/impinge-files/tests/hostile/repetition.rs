@@ -42,6 +42,19 @@ pub(super) fn repeated_content_is_counted_before_it_is_read() {
         let text = model("", &objects, levels);
         assert_too_many("vertices", text.len(), || parse(&package_of(&[("3D/3dmodel.model", &text)]), Format::ThreeMf));
     }
+    // As many instances as the limits allow: 100 bytes for each vertex and each triangle.
+    let doubled: String = (1..=18)
+        .map(|id| {
+            let inner = format!("<component objectid=\"{}\"/>", id - 1);
+            format!("<object id=\"{id}\"><components>{inner}{inner}</components></object>")
+        })
+        .collect();
+    let file =
+        package_of(&[("3D/3dmodel.model", &model("", &format!("<object id=\"0\">{TRIANGLE}</object>{doubled}"), 18))]);
+    let items = (3 + 1) << 18;
+    let whole = measured(file.len() + items, || parse(&file, Format::ThreeMf)).unwrap();
+    assert_eq!(whole.faces.len(), 1 << 18);
+    drop(whole);
     // Three vertices at a time: long names take more room than vertices.
     for many in [70_000, 140_000] {
         let components = "<component objectid=\"1\"/>".repeat(many);

@@ -14,6 +14,7 @@
 mod animation;
 mod body;
 mod candidates;
+mod channel;
 mod clusters;
 mod corners;
 mod crossing;
@@ -43,8 +44,9 @@ mod volume;
 mod volume_pair;
 mod work;
 
-pub use animation::{Animation, Channel, Interpolation, Target};
+pub use animation::Animation;
 pub use body::{Character, Leak};
+pub use channel::{Channel, Interpolation, Target};
 pub use error::{RigError, RigErrorKind, RigPlace};
 pub use fit::{HitPart, Mode};
 pub use frame::Frame;

@@ -11,7 +11,8 @@
 //!
 //! Tests: those of this file, and `impinge-files/tests/it/characters/holding.rs`.
 
-use super::animation::{Animation, Interpolation, Keys, Target};
+use super::animation::{Animation, Keys};
+use super::channel::{Interpolation, Target};
 use super::rig::Rig;
 use super::transform::Transform;
 use crate::math::vec3::Vector;

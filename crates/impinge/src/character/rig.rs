@@ -1,6 +1,7 @@
 //! A skeleton, the skin over it, and its animations.
 
-use super::animation::{Animation, Target};
+use super::animation::Animation;
+use super::channel::Target;
 use super::error::{RigError, RigErrorKind, RigPlace};
 use super::rig_pose::RigPose;
 use super::skeleton::{BoneSet, Skeleton};

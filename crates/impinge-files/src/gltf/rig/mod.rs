@@ -54,7 +54,7 @@ pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Resul
     let buffers = Buffers::load(&document.buffers, chunk, folder, &limits)?;
     let source = Source { document: &document, buffers: &buffers, json_len: json.len() as u64 };
     let len = bytes.len() as u64 + buffers.total_len();
-    let instances = scene::instances(&document, &mut warnings, Budget::for_nodes(len))?;
+    let instances = scene::instances(&document, &mut warnings, Budget::for_nodes(len, &limits).without_limits())?;
     // A bone has exactly one parent.
     if let Some(shared) = warnings.into_vec().into_iter().find(|w| w.kind == WarningKind::SharedNodes) {
         let error = LoadError::syntax("nodes with one parent each", b"one that is reached twice");
@@ -63,7 +63,7 @@ pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Resul
             None => error,
         });
     }
-    let budget = Budget::for_bytes(len, &limits);
+    let budget = Budget::for_bytes(len, &limits).without_limits();
     let mut reader = RigReader::new(source, &extra, budget);
     for instance in &instances {
         reader.instance(instance)?;

@@ -1,9 +1,9 @@
-//! The transform of a node: read from its parts, or decomposed from its matrix.
+//! The transforms of nodes: translation, rotation and scale, or a matrix that is decomposed.
 
 use impinge::character::{RigErrorKind, Transform};
 
-use super::{Node, broken};
-use crate::error::LoadError;
+use super::broken;
+use crate::{error::LoadError, gltf::document::Node};
 
 /// Returns the transform of a node; a matrix is decomposed. Returns an error if the matrix shears
 /// or has a scale of zero.
