@@ -1,4 +1,4 @@
-//! Contacts as columns of arrays.
+//! Converts contact manifolds to columns of NumPy arrays, and back.
 
 use impinge::query::{ContactId, ContactPoint, Feature, Manifold};
 use pyo3::prelude::*;

@@ -120,7 +120,8 @@ impl Rig {
         Ok(pose)
     }
 
-    /// Does the same as [`pose_at`](Self::pose_at) but reuses the memory of `pose`.
+    /// Computes the pose of an animation at a time in seconds into `pose`, whose memory is reused;
+    /// otherwise as [`pose_at`](Self::pose_at).
     ///
     /// # Errors
     /// Same as [`pose_at`](Self::pose_at).

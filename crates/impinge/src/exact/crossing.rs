@@ -42,8 +42,8 @@ pub struct Endpoint {
     pub point: [f64; 3],
 }
 
-/// Returns the common points of triangle `a` of mesh A and triangle `b` of mesh B, each given in
-/// the frame of its mesh. Returns `Apart` if and only if
+/// Returns the common points of triangle `a` of mesh A and triangle `b` of mesh B, in the world
+/// frame. The corners of each triangle are in the frame of its mesh. Returns `Apart` if and only if
 /// [`triangles_intersect`](super::triangles_intersect) is `false`.
 ///
 /// # Accuracy

@@ -1,4 +1,4 @@
-//! Sorting by one digit.
+//! One pass of a radix sort: a stable counting sort by one digit.
 //!
 //! Source: Knuth, *The Art of Computer Programming* 3, 5.2.5.
 

@@ -94,8 +94,8 @@ impl Obb {
         Self::of_reach(center, axes, axes.map(reach))
     }
 
-    /// Returns the eight corners, rounded. Bit k of a corner's index is set on the positive side of
-    /// axis k.
+    /// Returns the eight corners, computed in floats: a corner may lie slightly inside or outside
+    /// the box. Bit k of a corner's index is set on the positive side of axis k.
     #[must_use]
     pub fn corners(&self) -> [[f64; 3]; 8] {
         std::array::from_fn(|corner| {

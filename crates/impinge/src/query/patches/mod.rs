@@ -24,7 +24,9 @@ use crate::mesh::PlacedMesh;
 pub(crate) use contacts::contacts_of_patches;
 use interior::Interior;
 
-/// Region in which the surfaces of two meshes intersect.
+/// A connected group of intersecting faces of two meshes: pairs of faces that share a face belong
+/// together. It has the curves along which the surfaces intersect there, and a normal, an area and
+/// a depth. [`contact_patches`] states how accurate they are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactPatch {
     /// Direction of length 1 from the first mesh to the second, in the world frame, rounded. It is
