@@ -32,8 +32,8 @@ pub struct Pages<T> {
 
 impl<T: Pod> Pages<T> {
     /// Returns a buffer of `len` elements that are zero. They are in a vector if they take less
-    /// than 2 MiB, if the system refuses pages, or without the feature `mmap`. Otherwise they are in
-    /// pages of their own.
+    /// than 2 MiB, if the system refuses pages, or without the feature `mmap`. Otherwise they are
+    /// in pages of their own.
     #[must_use]
     pub fn zeroed(len: usize) -> Buffer<T> {
         /// One large page of the usual kind.
