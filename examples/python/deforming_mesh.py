@@ -1,5 +1,4 @@
-"""A mesh that deforms: its vertices move every frame, and its hierarchy is refitted instead of
-rebuilt.
+"""A mesh that deforms: its vertices move every frame, and its hierarchy is refitted, not rebuilt.
 
 A sheet sinks onto a human and its rim hangs down. `aging` tells how much slower the hierarchy has
 become.
