@@ -7,7 +7,7 @@ use crate::{
 
 /// Limits on the size of a file's content.
 ///
-/// The defaults suit files that nobody vouches for: time and memory stay within a multiple of the
+/// The defaults suit untrusted files: time and memory stay within a multiple of the
 /// file's size. If you trust a file that exceeds them, set a larger limit. If you have less memory,
 /// set a smaller one.
 ///

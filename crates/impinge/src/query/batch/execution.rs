@@ -105,7 +105,10 @@ impl<'e> Execution<'e> {
         let is_stopped = AtomicBool::new(false);
         let is_wanted = || {
             let is_wanted = is_stopped.load(Ordering::Relaxed) || self.interrupt.is_wanted();
-            is_stopped.fetch_or(is_wanted, Ordering::Relaxed);
+            // Threads that go on only read the flag, so they do not wait for each other.
+            if is_wanted {
+                is_stopped.store(true, Ordering::Relaxed);
+            }
             is_wanted
         };
         if self.is_sequential {
