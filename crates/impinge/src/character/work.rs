@@ -8,8 +8,8 @@ use super::error::{RigError, RigErrorKind, RigPlace};
 use super::rig::Rig;
 
 /// Work that every rig may take, in steps. A step is a vertex or bone at one sample, and takes
-/// between 0.1 and 0.2 microseconds. A larger value lets small hostile rigs take longer; a smaller one makes the
-/// volumes of small rigs with fast motions larger.
+/// between 0.1 and 0.2 microseconds. A larger value lets small hostile rigs take longer; a smaller
+/// one makes the volumes of small rigs with fast motions larger.
 const BASE: u64 = 1 << 24;
 
 /// Additional steps for each number of the rig. The robot of the examples takes up to 40. A body of
