@@ -27,6 +27,7 @@ from impinge._intersections import (
     penetrates,
     self_intersecting_pairs,
 )
+from impinge._limits import limit
 from impinge._load import load, load_scene
 from impinge._mesh import Mesh
 from impinge._motion import Impact, Motion, time_of_impact
@@ -98,6 +99,7 @@ __all__ = [
     "intersecting_pairs",
     "intersection_curves",
     "intersects",
+    "limit",
     "load",
     "load_scene",
     "minimal_sphere",

@@ -113,3 +113,6 @@ class Status(IntEnum):
     NOT_RIGID = 6
     """A pose is not rigid within 1e-4, which round shapes require. The row has the safe answer,
     which proves nothing."""
+    OUT_OF_BUDGET = 7
+    """A limit of `impinge.limit` was reached before the answer was complete. The row has the safe
+    answer, which proves nothing."""

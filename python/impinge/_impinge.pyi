@@ -10,6 +10,7 @@ __all__ = [
     "BatchCore",
     "BoxCore",
     "CharacterCore",
+    "Limits",
     "MeshBase",
     "Model",
     "MotionBase",
@@ -261,6 +262,10 @@ _OriginData: TypeAlias = tuple[list[int], list[int], list[str], str | None]
 
 _Numbers: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
 """Rows of three numbers, and single numbers."""
+
+@final
+class Limits:
+    def __init__(self, seconds: float | None, gigabytes: float | None, outer: Limits | None) -> None: ...
 
 def after_fork() -> None: ...
 def run_command(arguments: list[str]) -> int: ...

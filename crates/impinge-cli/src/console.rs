@@ -47,16 +47,24 @@ pub(crate) fn print_failure(failure: &Failure, json: bool) {
 pub(crate) fn exit_on_interrupt(json: bool) {
     // If no handler can be installed, an interrupt still ends the process, but without a message.
     let _ = ctrlc::set_handler(move || {
-        let failure = Failure::new("interrupted", "interrupted before the answer was known");
-        if !ANSWER_PRINTED.load(Ordering::SeqCst) {
-            print_line(&failure.to_string());
-            if json {
-                let _ = print_answer(&to_line(&NoAnswer { error: &failure, complete: Some(false) }));
-            }
-        }
+        exit_without_answer(&Failure::new("interrupted", "interrupted before the answer was known"), json);
         output::abandon();
         process::exit(i32::from(NO_ANSWER));
     });
+}
+
+/// Ends the process with exit code 2, for a reason that is printed. Does nothing once printing the
+/// answer has begun.
+pub(crate) fn exit_without_answer(failure: &Failure, json: bool) {
+    if ANSWER_PRINTED.load(Ordering::SeqCst) {
+        return;
+    }
+    print_line(&failure.to_string());
+    if json {
+        let _ = print_answer(&to_line(&NoAnswer { error: failure, complete: Some(false) }));
+    }
+    output::abandon();
+    process::exit(i32::from(NO_ANSWER));
 }
 
 /// Prints a warning on standard error: something that may make the answer wrong.

@@ -15,6 +15,7 @@ mod failure;
 mod fit;
 mod hits;
 mod inspect;
+mod limits;
 mod man;
 mod numerals;
 mod output;
@@ -56,6 +57,8 @@ one JSON object instead of the report.";
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    #[command(flatten)]
+    limits: limits::Limits,
 }
 
 #[derive(Subcommand)]
@@ -68,6 +71,21 @@ enum Command {
     Inspect(inspect::Arguments),
     Man(man::Arguments),
     World(world::Arguments),
+}
+
+impl Command {
+    fn run(&self) -> Result<Verdict, Failure> {
+        match self {
+            Self::Bake(arguments) => bake::run(arguments),
+            Self::Check(arguments) => check::run(arguments),
+            Self::Completions(arguments) => completions::run(arguments, Cli::command()),
+            Self::Fit(arguments) => fit::run(arguments),
+            Self::Hits(arguments) => hits::run(arguments),
+            Self::Inspect(arguments) => inspect::run(arguments),
+            Self::Man(arguments) => man::run(arguments, Cli::command()),
+            Self::World(arguments) => world::run(arguments),
+        }
+    }
 }
 
 /// The answer of a command. The numeric value is the exit code.
@@ -101,16 +119,10 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
     console::exit_on_interrupt(json);
     // The parser expects the name of the program as the first argument.
     let answer = match Cli::try_parse_from(iter::once("impinge".into()).chain(arguments)) {
-        Ok(cli) => match cli.command {
-            Command::Bake(arguments) => bake::run(&arguments),
-            Command::Check(arguments) => check::run(&arguments),
-            Command::Completions(arguments) => completions::run(&arguments, Cli::command()),
-            Command::Fit(arguments) => fit::run(&arguments),
-            Command::Hits(arguments) => hits::run(&arguments),
-            Command::Inspect(arguments) => inspect::run(&arguments),
-            Command::Man(arguments) => man::run(&arguments, Cli::command()),
-            Command::World(arguments) => world::run(&arguments),
-        },
+        Ok(cli) => {
+            cli.limits.watch(json);
+            cli.command.run()
+        }
         Err(error)
             if matches!(error.kind(), DisplayHelp | DisplayVersion | DisplayHelpOnMissingArgumentOrSubcommand) =>
         {

@@ -11,6 +11,7 @@ mod contacts;
 mod distances;
 mod errors;
 mod inspection;
+mod limits;
 mod mesh;
 mod model;
 mod motions;
@@ -48,6 +49,8 @@ mod _impinge {
     use super::distances::{distance, penetration, within};
     #[pymodule_export]
     use super::inspection::{closing_tolerance, health, repaired, tree_statistics};
+    #[pymodule_export]
+    use super::limits::Limits;
     #[pymodule_export]
     use super::mesh::MeshBase;
     #[pymodule_export]

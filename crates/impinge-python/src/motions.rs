@@ -1,6 +1,7 @@
 //! Motions of bodies, and when the bodies first touch.
 
-use impinge::query::batch::{Broadcast, Execution, Stopped};
+use impinge::budget::Stopped;
+use impinge::query::batch::{Broadcast, Execution};
 use impinge::sweep::{self, Impact, Motion, times_of_impact};
 use impinge::{InputError, Pose};
 use pyo3::prelude::*;
@@ -128,7 +129,7 @@ pub(crate) fn time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) -> PyRes
     }
     let shape = broadcast.shape().to_vec();
     let call = Call { rows: broadcast.rows(), is_brief: false, progress };
-    let impacts = workers::execute(py, call, move |execution: Execution<'_>| -> Result<_, Stopped> {
+    let (impacts, _) = workers::execute(py, call, move |execution: Execution<'_>| -> Result<_, Stopped> {
         times_of_impact(&a, &b, [&motions_a, &motions_b], &broadcast, execution)
     })?;
     let impacts: Result<Vec<Impact>, InputError> = impacts.into_iter().collect();

@@ -2,11 +2,13 @@
 //! threads.
 
 use impinge::Pose;
-use impinge::query::batch::{Answers, Batch, Execution, Status, Stopped};
+use impinge::budget::Stopped;
+use impinge::query::batch::{Answers, Batch, Execution, Status};
 use pyo3::prelude::*;
 
 use crate::arrays::array;
 use crate::errors::Fault;
+use crate::limits;
 use crate::poses;
 use crate::shapes::{WeighedShape, read_shape};
 use crate::workers::{self, Call};
@@ -182,12 +184,15 @@ impl Question {
         let call = Call { rows, is_brief: is_short || is_interruptible, progress: self.progress };
         let batch = self.batch;
         let work = move |execution: Execution<'_>| verb(&batch.clone().with_execution(execution));
-        let answers = if is_interruptible {
+        let (answers, stopped) = if is_interruptible {
             workers::execute_interruptibly(py, call, search == Search::OneThread, work)?
         } else {
             workers::execute(py, call, work)?
         };
-        Ok(Replies { answers, wants_status: self.wants_status })
+        match stopped {
+            Some(stopped) if !self.wants_status => Err(limits::raised(stopped)),
+            _ => Ok(Replies { answers, wants_status: self.wants_status }),
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Many parts at once: every configuration of an assembly.
 
 use impinge::Pose;
-use impinge::query::batch::{Answers, Broadcast, Execution, Poses, Stopped};
+use impinge::budget::Stopped;
+use impinge::query::batch::{Answers, Broadcast, Execution, Poses};
 use impinge::scene::{ConfigurationsError, FoundPair, PartId, Question, Scene, Stop};
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
@@ -59,7 +60,7 @@ pub(crate) fn check_scene<'py>(
         }
         scene.check(question, stop, &configurations, execution)
     };
-    let Answers { shape, values, status } = workers::execute(py, call, work)?;
+    let (Answers { shape, values, status }, _) = workers::execute(py, call, work)?;
     let numbers = |pair: &FoundPair| pair.parts.map(|part| part.index() as u32);
     let (offsets, pairs) = ragged(values.iter().map(|pairs| pairs.iter().map(numbers).collect()).collect());
     let (places, count) = (offsets.len(), pairs.len());

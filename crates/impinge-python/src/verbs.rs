@@ -4,7 +4,6 @@ use std::collections::HashMap;
 
 use impinge::Mesh;
 use impinge::exact::{Crossing, Placement, crossing};
-use impinge::mesh::Interrupt;
 use impinge::query::batch::Batch;
 use impinge::query::{self, ContactOptions, ContactPatch, Curves, Penetrates, Query};
 use numpy::PyReadonlyArray2;
@@ -81,7 +80,7 @@ pub(crate) fn intersection_curves(py: Python<'_>, question: Question) -> PyResul
         });
         Ok(PyList::new(py, lines.collect::<PyResult<Vec<_>>>()?)?.into_any())
     };
-    question.ask(py, Search::Whole, |batch| batch.intersection_curves())?.returned(py, |values, shape| {
+    question.ask(py, Search::AllThreads, |batch| batch.intersection_curves())?.returned(py, |values, shape| {
         let mut rows = values.into_iter().map(lines).collect::<PyResult<Vec<_>>>()?;
         // Rows are gathered into lists from the last axis to the first.
         for axis in (0..shape.len()).rev() {
@@ -114,10 +113,7 @@ pub(crate) fn contacts_of(
 #[pyfunction]
 pub(crate) fn self_intersecting_pairs<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
-    let pairs = workers::run(py, move |watch| {
-        let is_abandoned = || watch.is_abandoned();
-        Query::new().with_interrupt(Interrupt::when(&is_abandoned)).self_intersecting_pairs(&mesh)
-    })?;
+    let pairs = workers::run(py, move |budget| Query::new().with_budget(budget).self_intersecting_pairs(&mesh))?;
     let count = pairs.len();
     row_array(py, pairs, &[count])
 }

@@ -16,12 +16,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use impinge::mesh::Interrupt;
-use impinge::query::batch::{Execution, Stopped};
-use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
+use impinge::budget::{Budget, Stopped};
+use impinge::query::batch::Execution;
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::limits::{self, Allowed};
 
 /// Maximum time until a signal is noticed: short for a person, long for a processor.
 pub(crate) const LISTENING_INTERVAL: Duration = Duration::from_millis(20);
@@ -48,7 +50,7 @@ pub(crate) struct Call {
 
 /// State that the caller's thread shares with the threads that work for it.
 #[derive(Clone, Default)]
-pub(crate) struct Watch(Arc<Shared>);
+struct Watch(Arc<Shared>);
 
 #[derive(Default)]
 struct Shared {
@@ -59,7 +61,7 @@ struct Shared {
 }
 
 impl Watch {
-    pub(crate) fn is_abandoned(&self) -> bool {
+    fn is_abandoned(&self) -> bool {
         self.0.abandoned.load(Ordering::Relaxed)
     }
 }
@@ -102,35 +104,46 @@ fn work_alone() {
 }
 
 /// Runs a job on the pool and waits for its answer. If a signal handler raises, as the one of
-/// Ctrl-C does, the wait ends at once. The job is then abandoned: work that has not started is not
-/// done.
-pub(crate) fn run<T: Send + 'static>(py: Python<'_>, job: impl FnOnce(&Watch) -> T + Send + 'static) -> PyResult<T> {
-    run_watched(py, |_| Ok(()), job)
+/// Ctrl-C does, or if a limit of the caller is reached, the wait ends at once. The job is then
+/// abandoned: its budget is spent, and it ends at its next check.
+pub(crate) fn run<T: Send + 'static>(
+    py: Python<'_>,
+    job: impl FnOnce(&Budget<'_>) -> T + Send + 'static,
+) -> PyResult<T> {
+    match run_watched(py, |_| Ok(()), |_, budget| job(budget))? {
+        (answer, None) => Ok(answer),
+        (_, Some(stopped)) => Err(limits::raised(stopped)),
+    }
 }
 
 /// Runs a job as [`run`] does, and calls `listen` between two waits. An error of `listen` ends the
-/// call.
+/// call. Returns the answer, and the limit that was reached if the answer is not complete.
 fn run_watched<T: Send + 'static>(
     py: Python<'_>,
     listen: impl Fn(&Watch) -> PyResult<()>,
-    job: impl FnOnce(&Watch) -> T + Send + 'static,
-) -> PyResult<T> {
+    job: impl FnOnce(&Watch, &Budget<'_>) -> T + Send + 'static,
+) -> PyResult<(T, Option<Stopped>)> {
+    let allowed = Allowed::asked(py)?;
     let pool = pool(requested_threads(py)?)?;
     let watch = Watch::default();
     let (sender, mut receiver) = mpsc::sync_channel(1);
     let watched = watch.clone();
     pool.spawn(move || {
-        let answer = job(&watched);
-        sender.send(answer).ok(); // it fails if the job was abandoned
+        let is_abandoned = || watched.is_abandoned();
+        let budget = allowed.budget(&is_abandoned);
+        let answer = job(&watched, &budget);
+        sender.send((answer, budget.stopped())).ok(); // it fails if the job was abandoned
     });
     loop {
+        let wait = allowed.at_most(LISTENING_INTERVAL);
         // A receiver can be moved between threads but not shared.
-        let heard = py.detach(move || (receiver.recv_timeout(LISTENING_INTERVAL), receiver));
+        let heard = py.detach(move || (receiver.recv_timeout(wait), receiver));
         receiver = heard.1;
         match heard.0 {
             Ok(answer) => return Ok(answer),
             Err(RecvTimeoutError::Timeout) => {
-                if let Err(raised) = py.check_signals().and_then(|()| listen(&watch)) {
+                let must_end = || if allowed.is_late() { Err(limits::raised(Stopped::Time)) } else { Ok(()) };
+                if let Err(raised) = py.check_signals().and_then(|()| listen(&watch)).and_then(|()| must_end()) {
                     watch.0.abandoned.store(true, Ordering::Relaxed);
                     return Err(raised);
                 }
@@ -149,26 +162,31 @@ pub(crate) fn rows<T: Send + 'static>(
     call: Call,
     ask: impl Fn(usize) -> T + Send + Sync + 'static,
 ) -> PyResult<Vec<T>> {
-    execute(py, call, move |execution| execution.rows(call.rows, || (), |(), row, _| ask(row)))
+    // If a limit is reached, `Execution::rows` returns the error that is raised.
+    Ok(execute(py, call, move |execution| execution.rows(call.rows, || (), |(), row| ask(row)))?.0)
 }
 
-/// Does work on rows, on all threads. A brief call runs on the caller's thread.
+/// Does work on rows, on all threads. A brief call runs on the caller's thread. Returns the result,
+/// and the limit that was reached if it is not complete.
 pub(crate) fn execute<T: Send + 'static>(
     py: Python<'_>,
     call: Call,
     work: impl Fn(Execution<'_>) -> Result<T, Stopped> + Send + Sync + 'static,
-) -> PyResult<T> {
+) -> PyResult<(T, Option<Stopped>)> {
     if !call.is_brief {
         return on_pool(py, call, work);
+    }
+    if !Allowed::asked(py)?.is_everything() {
+        return on_callers_thread(py, None, &work)?.map_err(limits::raised);
     }
     let done = py.detach(|| {
         work_alone();
         work(Execution::default().sequentially())
     });
-    done.map_err(|stopped| raised(&stopped, call))
+    done.map(|done| (done, None)).map_err(limits::raised)
 }
 
-/// Does work as [`execute`] does, for work that an interrupt ends within a row. The caller's thread
+/// Does work as [`execute`] does, for work that checks its budget within a row. The caller's thread
 /// starts a call of few rows, however large the meshes are. If that takes long, the pool takes
 /// over, unless there is one row and `is_one_thread` says that one thread does all of it.
 pub(crate) fn execute_interruptibly<T: Send + 'static>(
@@ -176,32 +194,29 @@ pub(crate) fn execute_interruptibly<T: Send + 'static>(
     call: Call,
     is_one_thread: bool,
     work: impl Fn(Execution<'_>) -> Result<T, Stopped> + Send + Sync + 'static,
-) -> PyResult<T> {
+) -> PyResult<(T, Option<Stopped>)> {
     if call.is_brief && call.rows <= MAX_ROWS_ON_CALLER {
         let patience = if call.rows == 1 && is_one_thread { None } else { Some(PATIENCE) };
         match on_callers_thread(py, patience, &work)? {
-            Err(Stopped::Interrupted) => {}
-            done => return done.map_err(|stopped| raised(&stopped, call)),
+            Err(Stopped::Canceled) => {}
+            done => return done.map_err(limits::raised),
         }
     }
     on_pool(py, call, work)
 }
 
-fn raised(stopped: &Stopped, call: Call) -> PyErr {
-    PyMemoryError::new_err(format!("{stopped} of {} rows: ask for fewer rows at a time", call.rows))
-}
-
 /// Does work on the caller's thread, which checks for signals from time to time. The work is
-/// interrupted if it takes longer than `patience`.
+/// canceled if it takes longer than `patience`.
 fn on_callers_thread<T: Send>(
     py: Python<'_>,
     patience: Option<Duration>,
     work: &(impl Fn(Execution<'_>) -> Result<T, Stopped> + Send + Sync),
-) -> PyResult<Result<T, Stopped>> {
+) -> PyResult<Result<(T, Option<Stopped>), Stopped>> {
+    let allowed = Allowed::asked(py)?;
     let begun = Instant::now();
     let heard = AtomicU64::new(0);
     let raised = Mutex::new(None);
-    let is_wanted = || {
+    let must_cancel = || {
         let elapsed = begun.elapsed();
         if patience.is_some_and(|patience| elapsed > patience) {
             return true;
@@ -222,7 +237,9 @@ fn on_callers_thread<T: Send>(
     };
     let done = py.detach(|| {
         work_alone();
-        work(Execution::default().sequentially().with_interrupt(Interrupt::when(&is_wanted)))
+        let budget = allowed.budget(&must_cancel);
+        let done = work(Execution::default().sequentially().with_budget(&budget));
+        done.map(|done| (done, budget.stopped()))
     });
     match raised.into_inner().unwrap_or_else(PoisonError::into_inner) {
         Some(error) => Err(error),
@@ -235,18 +252,18 @@ fn on_pool<T: Send + 'static>(
     py: Python<'_>,
     call: Call,
     work: impl Fn(Execution<'_>) -> Result<T, Stopped> + Send + Sync + 'static,
-) -> PyResult<T> {
+) -> PyResult<(T, Option<Stopped>)> {
     let line = if call.progress { Some(Line::begun(py, call.rows)?) } else { None };
     let listen = |watch: &Watch| line.as_ref().map_or(Ok(()), |line| line.show(watch.0.done.load(Ordering::Relaxed)));
-    let done = run_watched(py, listen, move |watch| {
-        let is_abandoned = || watch.is_abandoned();
+    let done = run_watched(py, listen, move |watch, budget| {
         let count = |rows: usize| _ = watch.0.done.fetch_add(rows, Ordering::Relaxed);
-        work(Execution::default().with_interrupt(Interrupt::when(&is_abandoned)).with_progress(&count))
+        work(Execution::default().with_budget(budget).with_progress(&count))
     });
     if let Some(line) = &line {
         line.end()?;
     }
-    done?.map_err(|stopped| raised(&stopped, call))
+    let (done, stopped) = done?;
+    done.map(|done| (done, stopped)).map_err(limits::raised)
 }
 
 /// Line that shows the progress of a call: `impinge._progress.Line`.

@@ -81,6 +81,7 @@
 //! | [`world`] | moving bodies: which pairs begin or cease to touch at each step, with contacts |
 //! | [`character`] | rigged bodies with hit volumes |
 //! | [`math`] | [`Pose`], vectors and exact numbers |
+//! | [`budget`] | [`Budget`]: limits on time, work and memory of queries |
 //! | [`input`] | [`InputError`]: which input is invalid, and why |
 //! | [`hull`] | convex hulls of points |
 //! | [`volume`] | bounding volumes: boxes, spheres, capsules and others fitted to points |
@@ -102,6 +103,7 @@
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+pub mod budget;
 pub mod character;
 pub mod convex;
 pub mod exact;
@@ -124,6 +126,7 @@ pub mod sweep;
 pub mod volume;
 pub mod world;
 
+pub use budget::Budget;
 pub use input::{InputError, InputErrorKind};
 pub use math::Pose;
 pub use mesh::{Mesh, Positions};

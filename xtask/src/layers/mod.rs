@@ -27,8 +27,9 @@ const CRATES: [&str; 8] = [
 ];
 
 /// Modules of `impinge` from the bottom up. Tests are free.
-const MODULES: [&str; 19] = [
+const MODULES: [&str; 20] = [
     "input",
+    "budget",
     "storage",
     "simd",
     "math",

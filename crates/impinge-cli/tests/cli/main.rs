@@ -10,6 +10,7 @@ mod help;
 mod hits;
 mod inspect;
 mod interrupt;
+mod limits;
 mod solids;
 mod streams;
 mod units;

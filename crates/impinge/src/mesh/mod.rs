@@ -15,7 +15,7 @@
 //! - `solid` treats meshes as solids: winding numbers, and the sides of faces.
 //! - `distance` finds the nearest points of two meshes.
 //!
-//! `options` sets how a query runs and when it is interrupted.
+//! `options` sets how a query runs.
 
 mod derived;
 mod distance;
@@ -34,7 +34,6 @@ pub(crate) use distance::{WarmStart, nearest, within};
 pub use lifecycle::aging::Aging;
 pub use lifecycle::parts::{Flaw, Parts};
 pub use lifecycle::repair::{Repair, RepairOptions};
-pub use options::Interrupt;
 #[doc(hidden)]
 pub use options::{HostChoice, Options};
 pub(crate) use pairs::descent::{any_hit, collect_intersecting, faces_intersect, first_hit};

@@ -1,14 +1,15 @@
-//! Options of a query: a cache, an interrupt, and which contacts to find.
+//! Options of a query: a cache, a budget, and which contacts to find.
 
 use super::{Cache, ContactOptions};
-use crate::mesh::{Interrupt, Options};
+use crate::budget::Budget;
+use crate::mesh::Options;
 
 /// A query with options.
 ///
 /// Most callers do not need it: `query::intersects(a, b)` is `Query::new().intersects(a, b)`. The
 /// same holds for `proximity`, `within`, `nearness`, `distance`, `contacts`, `intersecting_pairs`
-/// and `intersecting_pairs_up_to`. A query can use a cache ([`with_cache`](Self::with_cache)), end
-/// early ([`with_interrupt`](Self::with_interrupt)) and limit contacts
+/// and `intersecting_pairs_up_to`. A query can use a cache ([`with_cache`](Self::with_cache)), have
+/// a budget ([`with_budget`](Self::with_budget)) and limit contacts
 /// ([`with_contacts`](Self::with_contacts)).
 ///
 /// ```
@@ -31,7 +32,7 @@ pub struct Query<'q> {
 }
 
 impl<'q> Query<'q> {
-    /// Returns a query without a cache, which nothing interrupts.
+    /// Returns a query without a cache and without limits.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -44,16 +45,12 @@ impl<'q> Query<'q> {
         Self { cache: Some(cache), ..self }
     }
 
-    /// Returns this query with an interrupt, a function that can end the query early. The query
-    /// then returns the safe answer of [`Interrupt`], which the caller must discard.
-    ///
-    /// The interrupt is checked while `intersects`, `proximity`, `within`, `nearness`, `distance`,
-    /// `penetrates`, `intersecting_pairs`, `intersecting_pairs_up_to` and `self_intersecting_pairs`
-    /// search the faces of meshes. All other work runs to its end: queries about shapes and
-    /// compounds, and checks whether one thing is inside a solid.
+    /// Returns this query with limits on its work. Once a limit is reached, the query returns soon
+    /// with the safe answer that [`Budget`] describes; [`Budget::stopped`] says whether this
+    /// happened.
     #[must_use]
-    pub fn with_interrupt(self, interrupt: Interrupt<'q>) -> Self {
-        Self { options: Options { interrupt, ..self.options }, ..self }
+    pub fn with_budget(self, budget: &'q Budget<'q>) -> Self {
+        Self { options: Options { budget, ..self.options }, ..self }
     }
 
     /// Returns this query with options for [`contacts`](Self::contacts). Other queries ignore them.

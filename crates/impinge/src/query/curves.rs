@@ -11,9 +11,10 @@ use std::collections::{HashMap, HashSet};
 
 use rayon::prelude::*;
 
+use crate::budget::Budget;
 use crate::exact::{Corners, Crossing, Feature, Joint, Placement, joints};
 use crate::mesh::{DisjointSets, Mesh, PlacedMesh};
-use crate::query::intersecting_pairs;
+use crate::query::Query;
 
 /// Intersection curves of two surfaces.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -75,8 +76,19 @@ fn distance(from: [f64; 3], to: [f64; 3]) -> f64 {
 /// ```
 #[must_use]
 pub fn intersection_curves<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<PlacedMesh<'b>>) -> Curves {
-    let (a, b) = (a.into(), b.into());
-    curves_of_pairs(a, b, &intersecting_pairs(a, b))
+    Query::new().intersection_curves(a, b)
+}
+
+impl Query<'_> {
+    /// Computes [`intersection_curves`] of two meshes. If the budget ends the work, there are no
+    /// curves.
+    #[must_use]
+    pub fn intersection_curves<'a, 'b>(self, a: impl Into<PlacedMesh<'a>>, b: impl Into<PlacedMesh<'b>>) -> Curves {
+        let (a, b) = (a.into(), b.into());
+        let budget = self.options.budget;
+        let curves = curves_within([a, b], &self.intersecting_pairs(a, b), budget);
+        if budget.stopped().is_none() { curves } else { Curves::default() }
+    }
 }
 
 /// Computes the curves in which some pairs of faces intersect, in the world frame. `pairs` are
@@ -91,8 +103,12 @@ pub fn curves_of_pairs<'a, 'b>(
     b: impl Into<PlacedMesh<'b>>,
     pairs: &[[u32; 2]],
 ) -> Curves {
-    let placed = [a.into(), b.into()];
-    Linked::new(placed, &crossings(placed, pairs)).curves()
+    curves_within([a.into(), b.into()], pairs, Budget::unlimited())
+}
+
+/// Computes [`curves_of_pairs`] with a budget. If it is spent, some curves are missing.
+fn curves_within(placed: [PlacedMesh<'_>; 2], pairs: &[[u32; 2]], budget: &Budget<'_>) -> Curves {
+    Linked::new(placed, &crossings(placed, pairs, budget), budget).curves()
 }
 
 /// Pair of faces with its intersection.
@@ -106,14 +122,25 @@ pub(super) struct PairCrossing {
 /// they save.
 const MIN_PAIRS_PER_TASK: usize = 64;
 
-/// Computes the intersection of each pair of faces.
-pub(super) fn crossings(placed: [PlacedMesh<'_>; 2], pairs: &[[u32; 2]]) -> Vec<PairCrossing> {
+/// Number of pairs between two checks of the budget.
+const PAIRS_PER_STEP: usize = 64;
+
+/// Computes the intersection of each pair of faces. If the budget is spent, there may be none, or
+/// some may be left apart.
+pub(super) fn crossings(placed: [PlacedMesh<'_>; 2], pairs: &[[u32; 2]], budget: &Budget<'_>) -> Vec<PairCrossing> {
     let placement = Placement::new(&placed[0].world_from_mesh, &placed[1].world_from_mesh);
-    let of_pair = |&pair: &[u32; 2]| {
+    let of_pair = |(at, &pair): (usize, &[u32; 2])| {
+        if budget.stopped().is_some() || (at % PAIRS_PER_STEP == 0 && budget.is_spent()) {
+            return PairCrossing { pair, crossing: Crossing::Apart };
+        }
         let [a, b] = corners(placed, pair);
         PairCrossing { pair, crossing: joints(&placement, &a, &b) }
     };
-    pairs.par_iter().with_min_len(MIN_PAIRS_PER_TASK).map(of_pair).collect()
+    let mut found = Vec::new();
+    if budget.reserve(&mut found, pairs.len()) {
+        pairs.par_iter().enumerate().with_min_len(MIN_PAIRS_PER_TASK).map(of_pair).collect_into_vec(&mut found);
+    }
+    found
 }
 
 fn corners(placed: [PlacedMesh<'_>; 2], pair: [u32; 2]) -> [Corners; 2] {
@@ -129,27 +156,30 @@ pub(super) struct Linked {
 }
 
 impl Linked {
-    /// Links the intersections of pairs of faces.
-    pub(super) fn new(placed: [PlacedMesh<'_>; 2], crossings: &[PairCrossing]) -> Self {
+    /// Links the intersections of pairs of faces. If the budget is spent, there are no pieces.
+    pub(super) fn new(placed: [PlacedMesh<'_>; 2], crossings: &[PairCrossing], budget: &Budget<'_>) -> Self {
         let mut names = placed.map(|placed| Names::new(placed.mesh));
         let mut numbers = HashMap::new();
         let mut ends = Vec::new();
         let mut number = |name: [Name; 2], pair: [u32; 2], joint: Joint| {
+            if !(budget.reserve(&mut ends, 1) && budget.reserve_entries(&mut numbers, 1)) {
+                return 0;
+            }
             *numbers.entry(name).or_insert_with(|| {
                 ends.push((pair, joint));
                 ends.len() - 1
             })
         };
-        let mut pieces: Vec<Crossing<usize>> = crossings
-            .iter()
-            .map(|found| {
+        let mut pieces: Vec<Crossing<usize>> = Vec::new();
+        if budget.reserve(&mut pieces, crossings.len()) {
+            pieces.extend(crossings.iter().map(|found| {
                 found.crossing.map(|joint| {
                     let on = [joint.on_a, joint.on_b];
                     let name = [0, 1].map(|side| names[side].name(found.pair[side], &ALL_CORNERS, on[side]));
                     number(name, found.pair, joint)
                 })
-            })
-            .collect();
+            }));
+        }
         let placement = Placement::new(&placed[0].world_from_mesh, &placed[1].world_from_mesh);
         // The edges of a face without area overlap. A point on the face lies on two or three of its
         // edges, and each of them gives the point another name.
@@ -172,6 +202,9 @@ impl Linked {
                     }
                 }
             }
+        }
+        if budget.stopped().is_some() {
+            return Self { points: Vec::new(), pieces: Vec::new() };
         }
         let mut sets = DisjointSets::new(ends.len());
         same.iter().for_each(|&[one, other]| sets.join(one as u32, other as u32));

@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::{Proximity, intersecting_pairs};
+use crate::budget::Budget;
 use crate::exact::{Placement, PosedPoint, Spot};
 use crate::mesh::{Components, Containment, Mesh, PlacedMesh, PointClassifier};
 
@@ -133,12 +134,13 @@ pub fn solid_intersection_of_pairs<'a, 'b>(
 
 /// Returns whether a component of one mesh lies inside the other, a solid, if their surfaces are
 /// apart. The answer is undecided if no component is certainly inside, and one may be inside an
-/// open mesh.
-pub(super) fn nested(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Proximity {
+/// open mesh or the budget is spent.
+pub(super) fn nested(a: PlacedMesh<'_>, b: PlacedMesh<'_>, budget: &Budget<'_>) -> Proximity {
     let is_undecided = AtomicBool::new(false);
     let any = |inner: PlacedMesh<'_>, outer: PlacedMesh<'_>| {
         let nesting = Nesting::of(inner, outer);
-        nesting.free(&[]).into_par_iter().any(|corner| match nesting.containment(corner) {
+        let containment = |corner| if budget.is_spent() { Containment::Undecided } else { nesting.containment(corner) };
+        nesting.free(&[]).into_par_iter().any(|corner| match containment(corner) {
             Containment::Inside | Containment::Surface => true,
             Containment::Outside => false,
             Containment::Undecided => {

@@ -12,7 +12,11 @@ pub(super) fn proximity(
     last_hit: &mut LastHit,
     options: &Options<'_>,
 ) -> Proximity {
-    if surfaces_intersect(a, b, last_hit, options) { Proximity::Intersects } else { nested(a, b) }
+    match surfaces_intersect(a, b, last_hit, options) {
+        true if options.budget.stopped().is_some() => Proximity::Undecided,
+        true => Proximity::Intersects,
+        false => nested(a, b, options.budget),
+    }
 }
 
 fn surfaces_intersect(a: PlacedMesh<'_>, b: PlacedMesh<'_>, last_hit: &mut LastHit, options: &Options<'_>) -> bool {
@@ -38,7 +42,11 @@ pub(super) fn nearness(
     options: &Options<'_>,
 ) -> Proximity {
     let near_faces = mesh::within(a, b, clearance, warm_start, options);
-    if near_faces.is_some() { Proximity::Intersects } else { nested(a, b) }
+    match near_faces {
+        Some(_) if options.budget.stopped().is_some() => Proximity::Undecided,
+        Some(_) => Proximity::Intersects,
+        None => nested(a, b, options.budget),
+    }
 }
 
 /// Returns the distance of two meshes, without state from an earlier query.
@@ -62,7 +70,10 @@ pub(super) fn distance(
     if upper == 0.0 {
         return Distance { lower: found.lower, upper, witness, proximity: Proximity::Intersects };
     }
-    match nested(a, b) {
+    if options.budget.stopped().is_some() {
+        return Distance { lower: 0.0, upper, witness, proximity: Proximity::Undecided };
+    }
+    match nested(a, b, options.budget) {
         Proximity::Intersects => Distance { lower: 0.0, upper: 0.0, witness: None, proximity: Proximity::Intersects },
         Proximity::Undecided => Distance { lower: 0.0, upper, witness, proximity: Proximity::Undecided },
         Proximity::Apart => Distance { lower: found.lower, upper, witness, proximity: Proximity::Apart },

@@ -28,8 +28,9 @@ use std::collections::{HashMap, HashSet};
 
 use rayon::prelude::*;
 
+use crate::budget::Budget;
 use crate::exact::{Contact, Corners, EdgeLine, Fan, Placement, PosedPoint, Spot, contact};
-use crate::mesh::{Components, Containment, Interrupt, Mesh, PlacedMesh, PointClassifier, Wall, Walls};
+use crate::mesh::{Components, Containment, Mesh, PlacedMesh, PointClassifier, Wall, Walls};
 
 /// Verdict whether the interiors of two solids intersect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -56,18 +57,16 @@ pub fn penetrates_of_pairs<'a, 'b>(
     b: impl Into<PlacedMesh<'b>>,
     pairs: &[[u32; 2]],
 ) -> Penetrates {
-    decide(a.into(), b.into(), pairs, Interrupt::NEVER)
+    decide(a.into(), b.into(), pairs, Budget::unlimited())
 }
 
-/// Computes [`penetrates_of_pairs`]. Once the interrupt asks for it, everything that is left is
-/// undecided.
-pub(super) fn decide(a: PlacedMesh<'_>, b: PlacedMesh<'_>, pairs: &[[u32; 2]], interrupt: Interrupt<'_>) -> Penetrates {
+/// Computes [`penetrates_of_pairs`]. Once the budget is spent, everything that is left is undecided.
+pub(super) fn decide(a: PlacedMesh<'_>, b: PlacedMesh<'_>, pairs: &[[u32; 2]], budget: &Budget<'_>) -> Penetrates {
     /// Number of contacts that are classified before the parts and all other contacts. If bodies
     /// are deep in each other, any contact shows it. More contacts take longer if they prove
     /// nothing; fewer contacts often are not enough.
     const FIRST_CONTACTS: usize = 64;
-    let solids =
-        Solids { placed: [a, b], placement: Placement::new(&a.world_from_mesh, &b.world_from_mesh), interrupt };
+    let solids = Solids { placed: [a, b], placement: Placement::new(&a.world_from_mesh, &b.world_from_mesh), budget };
     let contacts = solids.contacts(pairs);
     let first = solids.classify_contacts(&contacts[..contacts.len().min(FIRST_CONTACTS)]);
     if first == Penetrates::Yes {
@@ -80,7 +79,7 @@ pub(super) fn decide(a: PlacedMesh<'_>, b: PlacedMesh<'_>, pairs: &[[u32; 2]], i
     }
     let rest = if contacts.len() > FIRST_CONTACTS { solids.classify_contacts(&contacts) } else { first };
     match rest.max(apart) {
-        Penetrates::No if interrupt.is_wanted() || !solids.have_clear_borders() => Penetrates::Undecided,
+        Penetrates::No if budget.is_spent() || !solids.have_clear_borders() => Penetrates::Undecided,
         answer => answer,
     }
 }
@@ -99,7 +98,7 @@ enum Member {
 struct Solids<'m> {
     placed: [PlacedMesh<'m>; 2],
     placement: Placement,
-    interrupt: Interrupt<'m>,
+    budget: &'m Budget<'m>,
 }
 
 impl<'m> Solids<'m> {
@@ -114,16 +113,16 @@ impl<'m> Solids<'m> {
             let counts = contact != Contact::Slight && (0..2).all(|side| self.mesh(side).counts(pair[side]));
             counts.then_some((pair, contact))
         };
-        pairs.par_iter().filter_map(|pair| if self.interrupt.is_wanted() { None } else { kind(pair) }).collect()
+        pairs.par_iter().filter_map(|pair| if self.budget.is_spent() { None } else { kind(pair) }).collect()
     }
 
     /// Returns the verdict of some contacts: `Yes` if one of them proves an intersection.
     fn classify_contacts(&self, contacts: &[Touching]) -> Penetrates {
         let contacts = self.with_distinct_fans(contacts);
-        let sides = [0, 1].map(|side| Side::of(self.mesh(side), side, &contacts, self.interrupt));
+        let sides = [0, 1].map(|side| Side::of(self.mesh(side), side, &contacts, self.budget));
         // Stops at the first contact that proves an intersection.
         let answers = contacts.par_iter().map(|(pair, contact)| {
-            if self.interrupt.is_wanted() {
+            if self.budget.is_spent() {
                 return Ok(Penetrates::Undecided);
             }
             match self.classify(&sides, *pair, *contact) {
@@ -221,7 +220,7 @@ impl<'m> Solids<'m> {
         }
         let placement = Placement::new(&self.placed[1 - inner].world_from_mesh, &self.placed[inner].world_from_mesh);
         let inside = |classifier: &mut PointClassifier<'_>, face: u32| {
-            if self.interrupt.is_wanted() {
+            if self.budget.is_spent() {
                 return Some(Penetrates::Undecided);
             }
             is_inside(classifier, mesh, &placement, face)
@@ -319,7 +318,7 @@ struct Side {
 }
 
 impl Side {
-    fn of(mesh: &Mesh, side: usize, contacts: &[Touching], interrupt: Interrupt<'_>) -> Self {
+    fn of(mesh: &Mesh, side: usize, contacts: &[Touching], budget: &Budget<'_>) -> Self {
         let mut faces: Vec<u32> = contacts.iter().map(|(pair, _)| pair[side]).collect();
         let mut at_edge = HashMap::new();
         for (pair, contact) in contacts {
@@ -337,7 +336,7 @@ impl Side {
         }
         faces.par_sort_unstable();
         faces.dedup();
-        Self { walls: Walls::of(mesh, faces, interrupt), at_edge }
+        Self { walls: Walls::of(mesh, faces, budget), at_edge }
     }
 
     fn at_edge(&self, edge: [u32; 2]) -> &[u32] {

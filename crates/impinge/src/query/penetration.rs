@@ -146,15 +146,15 @@ pub fn penetrates<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) ->
 }
 
 impl Query<'_> {
-    /// Returns [`penetrates`] of two things. If the interrupt ends the search, the answer is
+    /// Returns [`penetrates`] of two things. If the budget ends the search, the answer is
     /// `Undecided` unless an intersection of the interiors is proved.
     #[must_use]
     pub fn penetrates<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Penetrates {
         let (a, b) = (a.into(), b.into());
         let (a, b) = (solid(&a), solid(&b));
         if let Some([a, b]) = meshes(&a, &b) {
-            let interrupt = self.options.interrupt;
-            return decide(a, b, &self.intersecting_pairs(a, b), interrupt);
+            let budget = self.options.budget;
+            return decide(a, b, &self.intersecting_pairs(a, b), budget);
         }
         match penetration(&a, &b) {
             Some(depth) if depth.lower > 0.0 => Penetrates::Yes,

@@ -40,11 +40,11 @@ pub fn self_intersecting_pairs(mesh: &Mesh) -> Vec<[u32; 2]> {
 }
 
 impl Query<'_> {
-    /// Returns the pairs of [`self_intersecting_pairs`]. If the interrupt ends the search, these
+    /// Returns the pairs of [`self_intersecting_pairs`]. If the budget ends the search, these
     /// are the pairs found so far, which the caller must discard.
     #[must_use]
     pub fn self_intersecting_pairs(self, mesh: &Mesh) -> Vec<[u32; 2]> {
-        let mut pairs = collect_self_intersecting(mesh, WantedFaces::All, self.options.interrupt);
+        let mut pairs = collect_self_intersecting(mesh, WantedFaces::All, self.options.budget);
         pairs.par_sort_unstable();
         pairs
     }

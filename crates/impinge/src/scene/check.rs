@@ -6,9 +6,9 @@ use std::collections::HashMap;
 use super::configurations::Configurations;
 use super::near::{PlacedPart, pairs_near};
 use super::parts::{PartId, Scene};
-use crate::mesh::Interrupt;
-use crate::query::batch::{Answers, Execution, Status, Stopped};
-use crate::query::{Cache, Penetrates, Proximity, Query, penetrates};
+use crate::budget::{Budget, Stopped};
+use crate::query::batch::{Answers, Execution, Status};
+use crate::query::{Cache, Penetrates, Proximity, Query};
 
 /// Question that a check answers for each pair of parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,8 +67,8 @@ impl Scene {
     /// configurations share a [`Cache`] for each pair.
     ///
     /// # Errors
-    /// Returns [`Stopped`] if the interrupt of `execution` requested it, or if there is not enough
-    /// memory for the answers.
+    /// Returns [`Stopped`] if a limit of the budget of `execution` was reached, or if there is not
+    /// enough memory for the answers.
     ///
     /// # Panics
     /// Panics if the configurations belong to another scene.
@@ -93,8 +93,8 @@ impl Scene {
             check.placed_parts = check.still_parts();
             check.still = check.still_pairs(execution)?;
         }
-        let found = execution.rows(rows, HashMap::new, |caches, row, interrupt| {
-            let found = check.row(row, stop, caches, interrupt);
+        let found = execution.rows(rows, HashMap::new, |caches, row| {
+            let found = check.row(row, stop, caches, execution.budget());
             (found, check.status(row))
         })?;
         let (values, status): (Vec<Vec<FoundPair>>, Vec<Status>) = found.into_iter().unzip();
@@ -129,8 +129,8 @@ impl Check<'_> {
         let placed_parts: Vec<Cow<'_, PlacedPart>> = self.placed_parts.iter().map(Cow::Borrowed).collect();
         let pairs = pairs_near(self.scene, &placed_parts, |_, _| true);
         let quiet = execution.without_progress();
-        let found = quiet.rows(pairs.len(), Cache::default, |cache, at, interrupt| {
-            self.pair(pairs[at], &placed_parts, cache, interrupt)
+        let found = quiet.rows(pairs.len(), Cache::default, |cache, at| {
+            self.pair(pairs[at], &placed_parts, cache, execution.budget())
         })?;
         Ok(found.into_iter().flatten().collect())
     }
@@ -161,7 +161,7 @@ impl Check<'_> {
         row: usize,
         stop: Stop,
         caches: &mut HashMap<[PartId; 2], Cache>,
-        interrupt: Interrupt<'_>,
+        budget: &Budget<'_>,
     ) -> Vec<FoundPair> {
         let placed_parts = self.placed_parts(row);
         let moves = |part: PartId| !self.configurations.is_still(part);
@@ -169,14 +169,14 @@ impl Check<'_> {
         let first_still = self.still.first();
         let mut found = Vec::new();
         for pair in pairs {
-            // The caller discards an interrupted result.
-            if interrupt.is_wanted() {
+            // The caller discards the result if the budget is spent.
+            if budget.is_spent() {
                 break;
             }
             if stop == Stop::First && first_still.is_some_and(|still| still.parts < pair) {
                 break;
             }
-            found.extend(self.pair(pair, &placed_parts, caches.entry(pair).or_default(), interrupt));
+            found.extend(self.pair(pair, &placed_parts, caches.entry(pair).or_default(), budget));
             if stop == Stop::First && !found.is_empty() {
                 return found;
             }
@@ -197,16 +197,16 @@ impl Check<'_> {
         parts: [PartId; 2],
         placed_parts: &[Cow<'_, PlacedPart>],
         cache: &mut Cache,
-        interrupt: Interrupt<'_>,
+        budget: &Budget<'_>,
     ) -> Option<FoundPair> {
         let [Some(a), Some(b)] = parts.map(|part| placed_parts[part.index()].placed()) else {
             return Some(FoundPair { parts, is_undecided: true });
         };
-        let query = Query::new().with_cache(cache).with_interrupt(interrupt);
+        let query = Query::new().with_cache(cache).with_budget(budget);
         let proximity = match self.question {
             Question::Intersects => query.proximity(a, b),
             Question::Within(clearance) => query.nearness(a, b, clearance),
-            Question::Penetrates => match penetrates(a, b) {
+            Question::Penetrates => match query.penetrates(a, b) {
                 Penetrates::No => Proximity::Apart,
                 Penetrates::Undecided => Proximity::Undecided,
                 Penetrates::Yes => Proximity::Intersects,

@@ -3,8 +3,9 @@
 use super::impact::Impact;
 use super::motion::Motion;
 use super::time_of_impact::time_of_impact;
+use crate::budget::Stopped;
 use crate::input::InputError;
-use crate::query::batch::{Broadcast, Execution, Stopped};
+use crate::query::batch::{Broadcast, Execution};
 use crate::shape::Shape;
 
 /// Returns the [`time_of_impact`] of two things for each row of `broadcast`. `motions` holds
@@ -44,7 +45,7 @@ pub fn times_of_impact(
     execution.rows(
         broadcast.rows(),
         || (),
-        |(), row, _| {
+        |(), row| {
             let [at_a, at_b] = broadcast.sources(row);
             time_of_impact(&a, &b, &motions[0][at_a], &motions[1][at_b])
         },

@@ -154,9 +154,9 @@ impl Answer {
     }
 
     /// Returns the nearest points so far, in the world frame, or `None` if no pair was processed.
-    /// If the search was interrupted, the lower bound is zero.
-    pub(super) fn nearest(&mut self, scene: &Scene<'_>, is_interrupted: bool) -> Option<Nearest> {
-        if is_interrupted {
+    /// If the search was stopped early, the lower bound is zero.
+    pub(super) fn nearest(&mut self, scene: &Scene<'_>, is_stopped: bool) -> Option<Nearest> {
+        if is_stopped {
             let _ = self.process(scene, [0, 0]);
             return self.best.map(|best| Nearest { lower: 0.0, ..scene.finish(&best, 0.0) });
         }

@@ -86,7 +86,7 @@ pub(crate) fn within(
     if !frontier.is_some_and(|frontier| search.resume(frontier, &options)) {
         search.run(&options, warm_start.costly.as_ref());
     }
-    let kept = search.answer.kept.or(search.slices.is_interrupted.then_some([0, 0]));
+    let kept = search.answer.kept.or(search.slices.is_stopped.then_some([0, 0]));
     *warm_start = search.into_warm_start(kept.or(warm_start.faces));
     kept
 }

@@ -88,7 +88,7 @@ impl<'a> Search<'a> {
             line_bound,
             frontier: None,
             leaf_pairs: 0,
-            slices: Slices::new(options.interrupt),
+            slices: Slices::new(options.budget),
         })
     }
 
@@ -142,7 +142,7 @@ impl<'a> Search<'a> {
 
     /// Returns the nearest points so far, in the world frame, or `None` if no pair was processed.
     pub(super) fn nearest(&mut self) -> Option<Nearest> {
-        self.answer.nearest(&self.scene, self.slices.is_interrupted)
+        self.answer.nearest(&self.scene, self.slices.is_stopped)
     }
 
     /// Runs [`advance`](Self::advance) on a vector unit. Both callers share the one copy that is
@@ -179,7 +179,7 @@ impl<'a> Search<'a> {
         Continue(())
     }
 
-    /// Processes all tasks. Breaks if the query is answered or interrupted.
+    /// Processes all tasks. Breaks if the query is answered or the budget is spent.
     #[inline(always)]
     fn process_tasks<S: Simd, const KEEPS: bool>(&mut self, simd: S) -> ControlFlow<()> {
         while let Some(task) = self.tasks.pop() {

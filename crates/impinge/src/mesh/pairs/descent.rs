@@ -10,12 +10,13 @@ use rayon::prelude::*;
 use super::leaf_pairs::{CACHED_GUEST_LEAVES, Deciding, LeafPairs, Question, Wanted, keep_smallest};
 use super::relation::Relations;
 use super::world_box;
+use crate::budget::Budget;
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{Descent, Order, QUEUE, Task};
 use crate::mesh::{Options, PlacedMesh};
 use crate::simd::{Level, dispatch};
 
-/// Number of node pairs that are opened between two checks of the interrupt: about 100
+/// Number of node pairs that are opened between two checks of the budget: about 100
 /// microseconds.
 const TASKS_PER_INTERRUPT_CHECK: usize = 1 << 10;
 
@@ -33,7 +34,7 @@ const FIRST_HIT_STACK_CAPACITY: usize = 128;
 
 /// Returns any two faces that intersect, of the first and of the second mesh, or `None` if the
 /// surfaces are disjoint. Which pair it is may differ between vector units. If the query is
-/// interrupted, the pair may not intersect.
+/// stopped by its budget, the pair may not intersect.
 pub(crate) fn any_hit(a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Option<[u32; 2]> {
     search(a, b, Wanted { limit: 1, deciding: Deciding::Last, ..Wanted::ALL }, options).first().copied()
 }
@@ -50,7 +51,7 @@ pub(crate) fn faces_intersect(a: PlacedMesh<'_>, b: PlacedMesh<'_>, [face_a, fac
 }
 
 /// Returns the first two faces that intersect in the order of the descent, or `None` if the
-/// surfaces are disjoint. If the query is interrupted, the pair may not intersect.
+/// surfaces are disjoint. If the query is stopped by its budget, the pair may not intersect.
 pub(crate) fn first_hit(a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Option<[u32; 2]> {
     search(a, b, Wanted { limit: 1, deciding: Deciding::AtOnce, ..Wanted::ALL }, options).first().copied()
 }
@@ -91,7 +92,7 @@ fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Option
     if wanted.limit < usize::MAX {
         // A search for the first pairs wants each pair to be decided before others are looked at,
         // so nothing is queued.
-        let mut pairs = question.pairs(1);
+        let mut pairs = question.pairs(1, options.budget);
         let mut tasks = Vec::with_capacity(FIRST_HIT_STACK_CAPACITY);
         tasks.push(root);
         if run_tasks(options, &descent, 1, &mut tasks, &mut pairs).is_break() {
@@ -100,7 +101,7 @@ fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Option
         return pairs.found;
     }
 
-    let mut first = question.pairs(CACHED_GUEST_LEAVES);
+    let mut first = question.pairs(CACHED_GUEST_LEAVES, options.budget);
     let mut tasks = vec![root];
     let threads = rayon::current_num_threads();
     if threads > 1 {
@@ -109,7 +110,7 @@ fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Option
         if tasks.len() >= enough {
             let chunk = tasks.len().div_ceil(TASKS_PER_THREAD * threads);
             let shared = tasks.par_chunks(chunk).map(|tasks| {
-                let mut pairs = question.pairs(CACHED_GUEST_LEAVES);
+                let mut pairs = question.pairs(CACHED_GUEST_LEAVES, options.budget);
                 let _ = run_tasks(options, &descent, QUEUE, &mut tasks.to_vec(), &mut pairs);
                 pairs.found
             });
@@ -122,7 +123,7 @@ fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Option
                 first.found.extend(shared);
             } else {
                 let shared: Vec<Vec<[u32; 2]>> = shared.collect();
-                first.found.extend(shared.iter().flatten());
+                joined(options.budget, &mut first.found, &shared);
             }
             tasks.clear();
         }
@@ -132,7 +133,14 @@ fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Option
     first.found
 }
 
-/// Processes all tasks depth first. Returns `Break` if the query was interrupted.
+/// Appends lists of pairs to a list, as far as the budget allows.
+fn joined(budget: &Budget<'_>, all: &mut Vec<[u32; 2]>, lists: &[Vec<[u32; 2]>]) {
+    if budget.reserve(all, lists.iter().map(Vec::len).sum()) {
+        lists.iter().for_each(|list| all.extend_from_slice(list));
+    }
+}
+
+/// Processes all tasks depth first. Returns `Break` if the budget is spent.
 fn run_tasks(
     options: &Options<'_>,
     descent: &Descent<'_>,
@@ -145,7 +153,7 @@ fn run_tasks(
         if tasks.is_empty() {
             return ControlFlow::Continue(());
         }
-        if options.interrupt.is_wanted() {
+        if options.budget.is_spent() {
             return ControlFlow::Break(());
         }
     }

@@ -228,9 +228,9 @@ mod tests {
     use impinge_testkit::generate::{Rng, solids};
 
     use super::*;
+    use crate::budget::Budget;
     use crate::exact::{Placement, intersect_beyond_shared};
     use crate::math::Pose;
-    use crate::mesh::options::Interrupt;
     use crate::mesh::pairs::self_descent::{WantedFaces, collect_self_intersecting};
     use crate::mesh::storage::positions::Positions;
 
@@ -293,7 +293,7 @@ mod tests {
                 (WantedFaces::All, all_pairs(&mesh, |_| true)),
                 (WantedFaces::WithMarked(&marks), all_pairs(&mesh, |face| marks[face as usize])),
             ] {
-                let mut found = collect_self_intersecting(&mesh, wanted, Interrupt::NEVER);
+                let mut found = collect_self_intersecting(&mesh, wanted, Budget::unlimited());
                 found.sort_unstable();
                 assert_eq!(found, expected, "round {round}");
                 reported += found.len();
@@ -312,7 +312,7 @@ mod tests {
                 let mesh = engine(&fan, is_soup);
                 assert_eq!(Hubs::of(&mesh).vertices.len(), 1);
                 assert_eq!(
-                    collect_self_intersecting(&mesh, WantedFaces::All, Interrupt::NEVER),
+                    collect_self_intersecting(&mesh, WantedFaces::All, Budget::unlimited()),
                     Vec::<[u32; 2]>::new()
                 );
             }
@@ -325,7 +325,7 @@ mod tests {
         let vertices = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::new(Positions::F32(vertices), vec![[0, 1, 2]; 3000]).expect("a mesh");
         assert_eq!(Hubs::of(&mesh).vertices.len(), 3);
-        assert_eq!(collect_self_intersecting(&mesh, WantedFaces::All, Interrupt::NEVER), Vec::<[u32; 2]>::new());
+        assert_eq!(collect_self_intersecting(&mesh, WantedFaces::All, Budget::unlimited()), Vec::<[u32; 2]>::new());
     }
 
     /// Every direction into a face is in the bounds, and the bounds of a narrow face are narrow.

@@ -12,6 +12,7 @@ use super::guest_cache::GuestCache;
 use super::large_leaf::LargeLeaf;
 use super::relation::Relation;
 use super::sides::Sides;
+use crate::budget::Budget;
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{APPROACHES_PER_BATCH, Large, LeafVisitor, Node, overlapping};
 use crate::mesh::Mesh;
@@ -94,11 +95,12 @@ pub(super) struct Question<'a> {
 }
 
 impl Question<'_> {
-    /// Returns an empty queue that caches up to `cached_guests` guest leaves, which must be a power
+    /// Returns an empty queue with a budget for the pairs that are found. It caches up to `cached_guests` guest leaves, which must be a power
     /// of two. If that is less than the usual queue length, the queue is processed at that length.
-    pub(in crate::mesh) fn pairs(&self, cached_guests: usize) -> LeafPairs<'_> {
+    pub(in crate::mesh) fn pairs<'p>(&'p self, cached_guests: usize, budget: &'p Budget<'p>) -> LeafPairs<'p> {
         LeafPairs {
             question: *self,
+            budget,
             host_packets: self.host.packets(),
             guest_packets: self.guest.packets(),
             process_at: cached_guests.min(MIN_QUEUED_LEAF_PAIRS + LEAF_PAIRS_PER_BATCH),
@@ -119,6 +121,7 @@ impl Question<'_> {
 /// A queue of leaf pairs of two meshes, and the pairs of faces found so far.
 pub(super) struct LeafPairs<'a> {
     question: Question<'a>,
+    budget: &'a Budget<'a>,
     host_packets: Packets<'a>,
     guest_packets: Packets<'a>,
     guests: GuestCache,
@@ -263,6 +266,11 @@ impl LeafPairs<'_> {
             if self.found.len() == kept {
                 self.last_face = self.found.iter().map(|pair| pair[0]).max().unwrap_or(u32::MAX);
             }
+        }
+        // The pairs that one call adds, and those that it decides.
+        let few = LANES + 2 * MAX_UNDECIDED_PAIRS;
+        if self.found.len() > HALF_MIN_TRIM_LENGTH && !self.budget.reserve(&mut self.found, few) {
+            return ControlFlow::Break(());
         }
         self.continue_or_stop(MAX_UNDECIDED_PAIRS)
     }

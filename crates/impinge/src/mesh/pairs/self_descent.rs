@@ -13,11 +13,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::hubs::Hubs;
+use crate::budget::Budget;
 use crate::exact::{Corners, Placement, intersect_beyond_shared};
 use crate::hierarchy::{Child, Node};
 use crate::math::Pose;
 use crate::mesh::Mesh;
-use crate::mesh::options::Interrupt;
 
 /// Work that is left.
 #[derive(Clone, Copy)]
@@ -35,7 +35,7 @@ struct Lane {
     lane: u8,
 }
 
-/// Number of tasks between two checks of the interrupt. A task compares at most 8 x 8 faces, so
+/// Number of tasks between two checks of the budget. A task compares at most 8 x 8 faces, so
 /// these take less than a millisecond.
 const TASKS_PER_INTERRUPT_CHECK: usize = 1 << 6;
 
@@ -58,19 +58,15 @@ pub(crate) enum WantedFaces<'w> {
 }
 
 /// Returns the pairs of faces that have more in common than the hull of their shared positions. The
-/// smaller index comes first, and pairs are in no particular order. If the interrupt ends the
+/// smaller index comes first, and pairs are in no particular order. If the budget ends the
 /// search, these are the pairs found so far.
-pub(crate) fn collect_self_intersecting(
-    mesh: &Mesh,
-    wanted: WantedFaces<'_>,
-    interrupt: Interrupt<'_>,
-) -> Vec<[u32; 2]> {
-    if let Some(found) = descend(mesh, wanted, None, interrupt) {
+pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: WantedFaces<'_>, budget: &Budget<'_>) -> Vec<[u32; 2]> {
+    if let Some(found) = descend(mesh, wanted, None, budget) {
         return found;
     }
     let hubs = Hubs::of(mesh);
-    let mut found = descend(mesh, wanted, Some(&hubs), interrupt).unwrap_or_default();
-    if interrupt.is_wanted() {
+    let mut found = descend(mesh, wanted, Some(&hubs), budget).unwrap_or_default();
+    if budget.is_spent() {
         return found;
     }
     let one_place = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
@@ -82,12 +78,7 @@ pub(crate) fn collect_self_intersecting(
 
 /// Returns the pairs, without those of faces that share a hub. If `hubs` is `None`, it stops and
 /// returns `None` once it has decided many more pairs than most meshes without hubs need.
-fn descend(
-    mesh: &Mesh,
-    wanted: WantedFaces<'_>,
-    hubs: Option<&Hubs>,
-    interrupt: Interrupt<'_>,
-) -> Option<Vec<[u32; 2]>> {
+fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>, budget: &Budget<'_>) -> Option<Vec<[u32; 2]>> {
     let has_wanted = wanted.nodes_with(mesh);
     let decided = AtomicUsize::new(0);
     let max_decided = if hubs.is_some() { usize::MAX } else { MAX_DECISIONS_PER_FACE * mesh.faces().len() };
@@ -98,6 +89,7 @@ fn descend(
         has_wanted: &has_wanted,
         hubs,
         one_place: Placement::new(&Pose::IDENTITY, &Pose::IDENTITY),
+        budget,
         found: Vec::new(),
         decided: 0,
     };
@@ -116,7 +108,7 @@ fn descend(
             let mut stack = vec![task];
             let mut expanded = 0_usize;
             while let Some(task) = stack.pop() {
-                if expanded.is_multiple_of(TASKS_PER_INTERRUPT_CHECK) && interrupt.is_wanted() {
+                if expanded.is_multiple_of(TASKS_PER_INTERRUPT_CHECK) && budget.is_spent() {
                     break;
                 }
                 worker.expand(task, &mut stack);
@@ -171,6 +163,7 @@ struct Worker<'m> {
     /// Hubs, if they are known. Pairs of faces that share a hub are left out.
     hubs: Option<&'m Hubs>,
     one_place: Placement,
+    budget: &'m Budget<'m>,
     found: Vec<[u32; 2]>,
     /// Number of pairs of faces that were decided exactly.
     decided: usize,
@@ -301,6 +294,9 @@ impl Worker<'_> {
         }
         self.decided += 1;
         if intersect_beyond_shared(&self.one_place, &one.corners, &other.corners) {
+            if self.found.len() == self.found.capacity() && !self.budget.reserve(&mut self.found, 1) {
+                return;
+            }
             self.found.push([one.number.min(other.number), one.number.max(other.number)]);
         }
     }

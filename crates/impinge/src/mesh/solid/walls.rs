@@ -6,10 +6,10 @@ use rayon::prelude::*;
 
 use super::sheets::turn_along_some_axis;
 use super::winding::PointClassifier;
+use crate::budget::Budget;
 use crate::exact::{AxisRay, Corners, PosedPoint, Spot};
 use crate::math::Sign;
 use crate::mesh::Mesh;
-use crate::mesh::options::Interrupt;
 use crate::mesh::pairs::self_descent::{WantedFaces, collect_self_intersecting};
 
 /// The sides of one face on which the solid of its mesh is.
@@ -32,25 +32,25 @@ pub(crate) struct Walls {
 impl Walls {
     /// Returns the walls of faces that count, which must be sorted and without duplicates. Each
     /// wall depends on the mesh and the face alone, not on the other faces in the list. Once the
-    /// interrupt asks for it, the walls of the faces that are left are unknown.
+    /// budget is spent, the walls of the faces that are left are unknown.
     ///
     /// # Complexity
     /// For each face, the cost of [`Mesh::contains`] for one point.
-    pub(crate) fn of(mesh: &Mesh, faces: Vec<u32>, interrupt: Interrupt<'_>) -> Self {
+    pub(crate) fn of(mesh: &Mesh, faces: Vec<u32>, budget: &Budget<'_>) -> Self {
         if faces.is_empty() {
             return Self { faces, walls: Vec::new() };
         }
         let mut marks = vec![false; mesh.faces().len()];
         faces.iter().for_each(|&face| marks[face as usize] = true);
         let mut intersects_others = vec![false; mesh.faces().len()];
-        for pair in collect_self_intersecting(mesh, WantedFaces::WithMarked(&marks), interrupt) {
+        for pair in collect_self_intersecting(mesh, WantedFaces::WithMarked(&marks), budget) {
             if pair.into_iter().all(|face| mesh.counts(face)) {
                 pair.into_iter().for_each(|face| intersects_others[face as usize] = true);
             }
         }
         let cap = mesh.cap();
         let wall = |classifier: &mut PointClassifier<'_>, face: u32| {
-            if interrupt.is_wanted() || intersects_others[face as usize] || !cap.is_far_from(&mesh.corners(face)) {
+            if budget.is_spent() || intersects_others[face as usize] || !cap.is_far_from(&mesh.corners(face)) {
                 Wall::Unknown
             } else {
                 classifier.wall_at_inner_point(face)

@@ -29,6 +29,9 @@ pub enum Status {
     /// A pose of this row is invalid for a round shape: it is more than 1e-4 from a rigid motion.
     /// The row has the safe answer that its query documents.
     NotRigid = 6,
+    /// A limit of the [`Budget`](crate::Budget) was reached before the answer was complete. The row
+    /// has the safe answer that its query documents.
+    OutOfBudget = 7,
 }
 
 /// Answers of a query at many poses, in row-major order of the leading axes.

@@ -1,14 +1,11 @@
 //! Rows that are given to threads.
 
-use std::collections::TryReserveError;
-use std::error::Error;
 use std::fmt;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use crate::mesh::Interrupt;
+use crate::budget::{Budget, Stopped};
 
 /// Number of blocks that rows are divided into, if blocks do not become too long: enough for many
 /// threads.
@@ -22,7 +19,7 @@ const MAX_BLOCK_ROWS: usize = 64;
 /// second copy of all answers in memory.
 const BLOCKS_PER_WAVE: usize = 1 << 12;
 
-/// Options of a batch: the threads that answer its rows, an interrupt, and a progress callback.
+/// Options of a batch: the threads that answer its rows, a budget, and a progress callback.
 ///
 /// One thread answers a block of consecutive rows, so that each row can start from the state of the
 /// row before. The length of a block depends on the number of rows alone: one row if there are up
@@ -31,31 +28,21 @@ const BLOCKS_PER_WAVE: usize = 1 << 12;
 /// ```
 /// use impinge::query::batch::Execution;
 ///
-/// let squares = Execution::default().rows(4, || (), |(), row, _| row * row)?;
+/// let squares = Execution::default().rows(4, || (), |(), row| row * row)?;
 /// assert_eq!(squares, [0, 1, 4, 9]);
-/// # Ok::<(), impinge::query::batch::Stopped>(())
+/// # Ok::<(), impinge::budget::Stopped>(())
 /// ```
 #[derive(Clone, Copy)]
 pub struct Execution<'e> {
     is_sequential: bool,
-    interrupt: Interrupt<'e>,
+    budget: &'e Budget<'e>,
     progress: Option<&'e (dyn Fn(usize) + Sync)>,
 }
 
-/// Reason why a batch returns no answers.
-#[derive(Debug)]
-#[non_exhaustive]
-pub enum Stopped {
-    /// The interrupt ended the batch.
-    Interrupted,
-    /// The memory for the answers cannot be allocated.
-    OutOfMemory(TryReserveError),
-}
-
 impl Default for Execution<'_> {
-    /// Returns the default: all threads of the current rayon pool, without an interrupt.
+    /// Returns the default: all threads of the current rayon pool, without limits.
     fn default() -> Self {
-        Self { is_sequential: false, interrupt: Interrupt::NEVER, progress: None }
+        Self { is_sequential: false, budget: Budget::unlimited(), progress: None }
     }
 }
 
@@ -66,11 +53,11 @@ impl<'e> Execution<'e> {
         Self { is_sequential: true, ..self }
     }
 
-    /// Returns these options with an interrupt that ends the batch without answers. It is checked
-    /// before each row, and within rows of queries that can end early.
+    /// Returns these options with limits on the work of the whole batch. The budget is checked
+    /// before each row, and within rows of long queries.
     #[must_use]
-    pub fn with_interrupt(self, interrupt: Interrupt<'e>) -> Self {
-        Self { interrupt, ..self }
+    pub fn with_budget(self, budget: &'e Budget<'e>) -> Self {
+        Self { budget, ..self }
     }
 
     /// Returns these options with a callback. After each block it receives the number of rows in
@@ -80,39 +67,65 @@ impl<'e> Execution<'e> {
         Self { progress: Some(progress), ..self }
     }
 
+    /// Returns the limits on the work of the batch.
+    #[must_use]
+    pub fn budget(&self) -> &'e Budget<'e> {
+        self.budget
+    }
+
     /// Returns these options without a progress callback.
     pub(crate) fn without_progress(self) -> Self {
         Self { progress: None, ..self }
     }
 
     /// Returns the result of `ask` for each of `count` rows, in order. `ask` gets the state of its
-    /// block, the index of the row, and an interrupt that can end the row early. `begin` makes the
-    /// state of each block of consecutive rows.
+    /// block and the index of the row. `begin` makes the state of each block of consecutive rows.
     ///
     /// # Errors
-    /// [`Stopped`] if the interrupt ended the batch, or if the memory for the answers cannot be
+    /// [`Stopped`] if a limit of the budget was reached, or if the memory for the answers cannot be
     /// allocated.
     pub fn rows<S, T: Send>(
         self,
         count: usize,
         begin: impl Fn() -> S + Sync,
-        ask: impl Fn(&mut S, usize, Interrupt<'_>) -> T + Sync,
+        ask: impl Fn(&mut S, usize) -> T + Sync,
+    ) -> Result<Vec<T>, Stopped> {
+        let answers = self.rows_until(|| self.budget.is_spent(), count, begin, ask)?;
+        self.budget.stopped().map_or(Ok(answers), Err)
+    }
+
+    /// Returns the result of `ask` for each row, as [`rows`](Self::rows) does, but only a canceled
+    /// batch stops. Once another limit is reached, `ask` must return an answer without work.
+    ///
+    /// # Errors
+    /// [`Stopped`] if the batch was canceled, or if the memory for the answers cannot be allocated.
+    pub(crate) fn all_rows<S, T: Send>(
+        self,
+        count: usize,
+        begin: impl Fn() -> S + Sync,
+        ask: impl Fn(&mut S, usize) -> T + Sync,
+    ) -> Result<Vec<T>, Stopped> {
+        let is_canceled = || self.budget.is_spent() && self.budget.stopped() == Some(Stopped::Canceled);
+        let answers = self.rows_until(is_canceled, count, begin, ask)?;
+        if self.budget.stopped() == Some(Stopped::Canceled) { Err(Stopped::Canceled) } else { Ok(answers) }
+    }
+
+    /// Returns the result of `ask` for each row. If `must_stop` returns `true`, only some of the
+    /// rows are answered.
+    fn rows_until<S, T: Send>(
+        self,
+        must_stop: impl Fn() -> bool + Sync,
+        count: usize,
+        begin: impl Fn() -> S + Sync,
+        ask: impl Fn(&mut S, usize) -> T + Sync,
     ) -> Result<Vec<T>, Stopped> {
         let mut answers = Vec::new();
-        answers.try_reserve_exact(count).map_err(Stopped::OutOfMemory)?;
-        // A row that was interrupted has no valid answer. A row that ended before the interrupt has
-        // one.
-        let is_stopped = AtomicBool::new(false);
-        let is_wanted = || {
-            let is_wanted = is_stopped.load(Ordering::Relaxed) || self.interrupt.is_wanted();
-            // Threads that go on only read the flag, so they do not wait for each other.
-            if is_wanted {
-                is_stopped.store(true, Ordering::Relaxed);
-            }
-            is_wanted
-        };
+        if answers.try_reserve_exact(count).is_err() {
+            self.budget.reach(Stopped::Memory);
+            return Err(Stopped::Memory);
+        }
         if self.is_sequential {
-            self.answer_rows(0..count, &mut begin(), &ask, &is_wanted, &mut answers);
+            self.answer_rows(0..count, &mut begin(), &ask, &must_stop, &mut answers);
         } else {
             let length = count.div_ceil(BLOCKS).clamp(1, MAX_BLOCK_ROWS);
             let blocks = count.div_ceil(length);
@@ -122,32 +135,32 @@ impl<'e> Execution<'e> {
                     .map(|number| {
                         let rows = number * length..((number + 1) * length).min(count);
                         let mut answers = Vec::with_capacity(rows.len());
-                        self.answer_rows(rows, &mut begin(), &ask, &is_wanted, &mut answers);
+                        self.answer_rows(rows, &mut begin(), &ask, &must_stop, &mut answers);
                         answers
                     })
                     .collect();
                 answers.extend(wave.into_iter().flatten());
             }
         }
-        if is_stopped.into_inner() { Err(Stopped::Interrupted) } else { Ok(answers) }
+        Ok(answers)
     }
 
     /// Appends the answers of consecutive rows, each of which can start from the state of the row
-    /// before. Stops before the next row once `is_wanted` returns `true`.
+    /// before. Stops before the next row once `must_stop` returns `true`.
     fn answer_rows<S, T>(
         &self,
         rows: Range<usize>,
         state: &mut S,
-        ask: &impl Fn(&mut S, usize, Interrupt<'_>) -> T,
-        is_wanted: &(impl Fn() -> bool + Sync),
+        ask: &impl Fn(&mut S, usize) -> T,
+        must_stop: &impl Fn() -> bool,
         answers: &mut Vec<T>,
     ) {
         let count = rows.len();
         for row in rows {
-            if is_wanted() {
+            if must_stop() {
                 return;
             }
-            answers.push(ask(state, row, Interrupt::when(is_wanted)));
+            answers.push(ask(state, row));
         }
         if let Some(progress) = self.progress {
             progress(count);
@@ -157,29 +170,11 @@ impl<'e> Execution<'e> {
 
 impl fmt::Debug for Execution<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { is_sequential, interrupt, progress } = self;
+        let Self { is_sequential, budget, progress } = self;
         f.debug_struct("Execution")
             .field("is_sequential", is_sequential)
-            .field("interrupt", interrupt)
+            .field("budget", budget)
             .field("has_progress", &progress.is_some())
             .finish()
-    }
-}
-
-impl fmt::Display for Stopped {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Interrupted => f.write_str("the batch was interrupted"),
-            Self::OutOfMemory(_) => f.write_str("not enough memory for the answers"),
-        }
-    }
-}
-
-impl Error for Stopped {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        match self {
-            Self::Interrupted => None,
-            Self::OutOfMemory(error) => Some(error),
-        }
     }
 }

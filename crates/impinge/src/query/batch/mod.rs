@@ -33,6 +33,6 @@ mod verbs;
 
 pub use answers::{Answers, Status};
 pub use broadcast::{Broadcast, BroadcastError};
-pub use execution::{Execution, Stopped};
+pub use execution::Execution;
 pub use poses::Poses;
 pub use verbs::Batch;

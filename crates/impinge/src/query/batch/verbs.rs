@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use super::answers::{Answers, Status};
 use super::broadcast::{Broadcast, BroadcastError};
-use super::execution::{Execution, Stopped};
+use super::execution::Execution;
 use super::poses::Poses;
 use super::side::Side;
-use crate::mesh::Interrupt;
+use crate::budget::Stopped;
 use crate::query::penetration::solid;
 use crate::query::{
     Cache, ContactOptions, Curves, Distance, LimitedPairs, Manifold, Penetrates, Penetration, Placed, Proximity, Query,
-    intersection_curves, nearness, penetration, proximity,
+    nearness, penetration, proximity,
 };
 use crate::shape::Shape;
 
@@ -48,9 +48,7 @@ impl<'e> Batch<'e> {
         Ok(Self { sides: Arc::new(sides), broadcast, execution: Execution::default() })
     }
 
-    /// Returns this batch with options: threads, an interrupt, a progress callback. The interrupt
-    /// can also end a row early, as [`Query::with_interrupt`](crate::query::Query::with_interrupt)
-    /// describes.
+    /// Returns this batch with options: threads, a budget, a progress callback.
     #[must_use]
     pub fn with_execution(self, execution: Execution<'e>) -> Self {
         Self { execution, ..self }
@@ -69,41 +67,37 @@ impl<'e> Batch<'e> {
         self.sides.each_ref().map(Side::poses)
     }
 
-    /// Returns the result of `ask` for each row. `ask` gets a query with the interrupt and with a
-    /// cache that consecutive rows share, and the two things at their poses. A row with an invalid
-    /// pose gets `safe`.
+    /// Returns the result of `ask` for each row. `ask` gets a query with the budget and with a cache
+    /// that consecutive rows share, and the two things at their poses. A row with an invalid pose
+    /// gets `safe`, and so do rows that are not complete when a limit of the budget is reached
+    /// ([`Status::OutOfBudget`]).
     ///
     /// # Errors
-    /// [`Stopped`] if the interrupt ended the batch, or if the memory for the answers cannot be
+    /// [`Stopped`] if the budget canceled the batch, or if the memory for the answers cannot be
     /// allocated.
     pub fn each<T: Clone + Send + Sync>(
         &self,
         safe: T,
         ask: impl Fn(Query<'_>, Placed<'_>, Placed<'_>) -> T + Sync,
     ) -> Result<Answers<T>, Stopped> {
-        let answer = |cache: &mut Cache, row: usize, interrupt: Interrupt<'_>| {
+        let budget = self.execution.budget();
+        let answer = |cache: &mut Cache, row: usize| {
             let sources = self.broadcast.sources(row);
-            match (self.sides[0].at(sources[0]), self.sides[1].at(sources[1])) {
-                (Ok(a), Ok(b)) => ask(Query::new().with_cache(cache).with_interrupt(interrupt), a, b),
-                _ => safe.clone(),
+            let [a, b] = match [0, 1].map(|side| self.sides[side].at(sources[side])) {
+                [Ok(a), Ok(b)] => [a, b],
+                [Err(fault), _] | [_, Err(fault)] => return (safe.clone(), Status::of(&fault)),
+            };
+            if budget.stopped().is_none() {
+                let found = ask(Query::new().with_cache(cache).with_budget(budget), a, b);
+                if budget.stopped().is_none() {
+                    return (found, Status::Ok);
+                }
             }
+            (safe.clone(), Status::OutOfBudget)
         };
-        let values = self.execution.rows(self.rows(), Cache::default, answer)?;
-        Ok(Answers { shape: self.broadcast.shape().to_vec(), values, status: self.status() })
-    }
-
-    /// Returns the status of each row, as far as its poses decide it.
-    fn status(&self) -> Vec<Status> {
-        let mut status = vec![Status::Ok; self.rows()];
-        if self.poses().iter().all(|poses| poses.first_fault().is_none()) {
-            return status;
-        }
-        for (row, status) in status.iter_mut().enumerate() {
-            let sources = self.broadcast.sources(row);
-            let fault = self.poses().into_iter().zip(sources).find_map(|(poses, at)| poses.get(at).err());
-            *status = fault.map_or(Status::Ok, Status::of);
-        }
-        status
+        let answers = self.execution.all_rows(self.rows(), Cache::default, answer)?;
+        let (values, status) = answers.into_iter().unzip();
+        Ok(Answers { shape: self.broadcast.shape().to_vec(), values, status })
     }
 
     /// Returns for each row whether the two things have a point in common, or that this is
@@ -233,8 +227,8 @@ impl<'e> Batch<'e> {
     /// # Errors
     /// As for [`each`](Self::each).
     pub fn intersection_curves(&self) -> Result<Answers<Curves>, Stopped> {
-        self.each(Curves::default(), |_, a, b| match (a.mesh(), b.mesh()) {
-            (Some(a), Some(b)) => intersection_curves(a, b),
+        self.each(Curves::default(), |query, a, b| match (a.mesh(), b.mesh()) {
+            (Some(a), Some(b)) => query.intersection_curves(a, b),
             _ => Curves::default(),
         })
     }

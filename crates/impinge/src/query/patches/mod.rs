@@ -17,6 +17,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::curves::{Curves, Linked, PairCrossing, crossings};
 use super::intersecting_pairs;
+use crate::budget::Budget;
 use crate::convex::to_unit_length;
 use crate::exact::Crossing;
 use crate::math::vec3::{cross, dot, length, sub};
@@ -87,8 +88,9 @@ pub fn contact_patches<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<Placed
 /// [`ContactPatch`] has them.
 pub(crate) fn normals_of_regions(placed: [PlacedMesh<'_>; 2]) -> Vec<(f64, [f64; 3])> {
     let pairs = intersecting_pairs(placed[0], placed[1]);
-    let area = |found: Vec<PairCrossing>| area_and_normal(placed, &found, &Linked::new(placed, &found));
-    connected(crossings(placed, &pairs)).into_iter().map(area).collect()
+    let area =
+        |found: Vec<PairCrossing>| area_and_normal(placed, &found, &Linked::new(placed, &found, Budget::unlimited()));
+    connected(crossings(placed, &pairs, Budget::unlimited())).into_iter().map(area).collect()
 }
 
 /// A region with its pairs and the pieces of its curves.
@@ -104,7 +106,7 @@ fn regions_of(placed: [PlacedMesh<'_>; 2]) -> Vec<Region> {
     if pairs.is_empty() {
         return Vec::new();
     }
-    let all = crossings(placed, &pairs);
+    let all = crossings(placed, &pairs, Budget::unlimited());
     let mut sides = [0, 1].map(|side| Interior::new(placed, &all, side));
     connected(all).into_iter().map(|crossings| region(placed, &mut sides, crossings)).collect()
 }
@@ -142,7 +144,7 @@ fn root(roots: &mut [usize], mut number: usize) -> usize {
 }
 
 fn region(placed: [PlacedMesh<'_>; 2], sides: &mut [Interior<'_>; 2], crossings: Vec<PairCrossing>) -> Region {
-    let linked = Linked::new(placed, &crossings);
+    let linked = Linked::new(placed, &crossings, Budget::unlimited());
     let curves = linked.curves();
     let (area, normal) = area_and_normal(placed, &crossings, &linked);
     let inside = [0, 1].map(|side| sides[side].of_region(crossings.iter().map(|found| found.pair[side])));

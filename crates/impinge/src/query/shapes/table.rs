@@ -3,6 +3,7 @@
 //! Three representations make six pairs. A compound is compared part by part. Pairs of parts whose
 //! boxes are too far apart are skipped; if there are many parts, a tree finds the other pairs.
 
+use crate::budget::Budget;
 use crate::convex::{self, Depth, Separation, Surface};
 use crate::mesh::{Options, PlacedMesh, WarmStart};
 use crate::query::nesting::nested;
@@ -95,7 +96,11 @@ fn separation_of_parts(a: &PlacedShape, b: &PlacedShape) -> Separation {
         (Form::Surface(a), Form::Surface(b)) => {
             // The nearest points are those of the surfaces, even if one mesh is inside the other.
             let found = of_meshes::distance_without_cache(surface_of(&a), surface_of(&b));
-            let proximity = if found.upper == 0.0 { Proximity::Intersects } else { nested(mesh_of(&a), mesh_of(&b)) };
+            let proximity = if found.upper == 0.0 {
+                Proximity::Intersects
+            } else {
+                nested(mesh_of(&a), mesh_of(&b), Budget::unlimited())
+            };
             let [lower, upper] = match proximity {
                 Proximity::Apart => [found.lower, found.upper],
                 Proximity::Undecided => [0.0, found.upper],

@@ -2,8 +2,8 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use impinge::mesh::Interrupt;
-use impinge::query::batch::{Batch, Broadcast, Execution, Poses, Status, Stopped};
+use impinge::budget::{Budget, Stopped};
+use impinge::query::batch::{Batch, Broadcast, Execution, Poses, Status};
 use impinge::query::{self, ContactOptions, Placed};
 use impinge::{Mesh, Pose, Shape};
 use impinge_testkit::cases::Precision;
@@ -120,7 +120,7 @@ fn faulty_poses_get_the_safe_answer_and_a_status() {
 }
 
 #[test]
-fn batches_report_progress_and_stop_on_interrupt() {
+fn batches_report_progress_and_stop_once_canceled() {
     let (mesh, _) = things();
     let mut rng = Rng::new(481);
     let many: Vec<Pose> = (0..1000).map(|_| grid_pose(&mut rng)).collect();
@@ -130,11 +130,13 @@ fn batches_report_progress_and_stop_on_interrupt() {
     batch.clone().with_execution(Execution::default().with_progress(&count)).intersects().unwrap();
     assert_eq!(done.swap(0, Ordering::Relaxed), 1000);
     let is_late = || asked.fetch_add(1, Ordering::Relaxed) > 100;
-    let stopping = Execution::default().with_interrupt(Interrupt::when(&is_late)).with_progress(&count);
-    for execution in [stopping, stopping.sequentially()] {
+    for is_sequential in [false, true] {
         asked.store(0, Ordering::Relaxed);
+        let budget = Budget::new().with_cancel(&is_late);
+        let execution = Execution::default().with_budget(&budget).with_progress(&count);
+        let execution = if is_sequential { execution.sequentially() } else { execution };
         let stopped = batch.clone().with_execution(execution).intersects();
-        assert!(matches!(stopped, Err(Stopped::Interrupted)));
+        assert_eq!(stopped, Err(Stopped::Canceled));
         assert!(done.swap(0, Ordering::Relaxed) < 1000);
     }
     // A verb of the caller's own gets the cache of the row before, as the built-in verbs do.

@@ -4,10 +4,11 @@
 //! and on two.
 
 mod animations;
+mod budgets;
+mod canceled;
 mod cases;
 mod curves;
 mod digits;
-mod interrupted;
 mod laws;
 mod moving;
 mod parts;

@@ -1,9 +1,10 @@
-//! Interrupted queries: they return soon, with the safe answer, and their caches change no later
+//! Canceled queries: they return soon, with the safe answer, and their caches change no later
 //! answer.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use impinge::mesh::{Interrupt, Options};
+use impinge::Budget;
+use impinge::mesh::Options;
 use impinge::query::{self, Cache, Penetrates, Query};
 use impinge::{Mesh, Pose, Positions};
 use impinge_testkit::generate::knots::{Knot, TREFOIL, torus_knot};
@@ -14,7 +15,7 @@ fn knot(radius: f64) -> Mesh {
 }
 
 #[test]
-fn interrupted_queries_return_the_safe_answer_at_once() {
+fn canceled_queries_return_the_safe_answer_at_once() {
     // The thin knot lies inside the other, close to it everywhere.
     let (mesh, thin) = (knot(TREFOIL.radius), knot(0.9 * TREFOIL.radius));
     let other = thin.at(Pose::IDENTITY);
@@ -25,25 +26,25 @@ fn interrupted_queries_return_the_safe_answer_at_once() {
     for patience in [0, 1, 3] {
         let asked = AtomicUsize::new(0);
         let must_stop = || asked.fetch_add(1, Ordering::Relaxed) >= patience;
-        let options = Options { interrupt: Interrupt::when(&must_stop), ..Options::default() };
+        let budget = || Budget::new().with_cancel(&must_stop);
         let ended_soon = || (1..patience + 300).contains(&asked.swap(0, Ordering::Relaxed));
         let (mut hits, mut witnesses) = (Cache::default(), Cache::default());
 
         assert!(
-            Query::new().with_options(options).with_cache(&mut hits).intersects(&mesh, other) && ended_soon(),
+            Query::new().with_budget(&budget()).with_cache(&mut hits).intersects(&mesh, other) && ended_soon(),
             "{patience}"
         );
         assert!(!Query::new().with_cache(&mut hits).intersects(&mesh, other));
 
-        let found = Query::new().with_options(options).with_cache(&mut witnesses).distance(&mesh, other);
+        let found = Query::new().with_budget(&budget()).with_cache(&mut witnesses).distance(&mesh, other);
         assert!(found.lower == 0.0 && found.upper.is_finite() && ended_soon(), "{patience}: {found:?}");
         assert_eq!(Query::new().with_cache(&mut witnesses).distance(&mesh, other), distance);
 
         let near = 0.999 * distance.lower;
-        assert!(Query::new().with_options(options).within(&mesh, other, near) && ended_soon());
+        assert!(Query::new().with_budget(&budget()).within(&mesh, other, near) && ended_soon());
         assert!(!Query::new().with_cache(&mut witnesses).within(&mesh, other, near));
 
-        let some = Query::new().with_options(options).intersecting_pairs(&mesh, touching);
+        let some = Query::new().with_budget(&budget()).intersecting_pairs(&mesh, touching);
         assert!(some.len() < pairs.len() && ended_soon(), "{patience}: {} of {}", some.len(), pairs.len());
         assert!(some.iter().all(|pair| pairs.binary_search(pair).is_ok()));
     }
@@ -51,7 +52,7 @@ fn interrupted_queries_return_the_safe_answer_at_once() {
 
 /// The knot touches its moved copy all along, so that many contacts have to be decided.
 #[test]
-fn interrupted_questions_about_solids_are_undecided() {
+fn canceled_questions_about_solids_are_undecided() {
     let mesh = knot(TREFOIL.radius);
     let inside = mesh.at(Pose::from_translation([9.0 * TREFOIL.radius, 0.0, 0.0]).expect("a pose"));
     let touching = mesh.at(Pose::from_translation([0.003, 0.001, 0.002]).expect("a pose"));
@@ -60,19 +61,23 @@ fn interrupted_questions_about_solids_are_undecided() {
     for patience in [0, 1, 100] {
         let asked = AtomicUsize::new(0);
         let must_stop = || asked.fetch_add(1, Ordering::Relaxed) >= patience;
-        let ask = || Query::new().with_interrupt(Interrupt::when(&must_stop));
-        assert_ne!(ask().penetrates(&mesh, touching), Penetrates::No, "{patience}");
+        let budget = || Budget::new().with_cancel(&must_stop);
+        assert_ne!(Query::new().with_budget(&budget()).penetrates(&mesh, touching), Penetrates::No, "{patience}");
         asked.store(0, Ordering::Relaxed);
-        assert_ne!(ask().penetrates(&mesh, inside), Penetrates::No, "{patience}: {apart:?}");
+        assert_ne!(
+            Query::new().with_budget(&budget()).penetrates(&mesh, inside),
+            Penetrates::No,
+            "{patience}: {apart:?}"
+        );
         asked.store(0, Ordering::Relaxed);
-        assert!(ask().self_intersecting_pairs(&mesh).is_empty());
+        assert!(Query::new().with_budget(&budget()).self_intersecting_pairs(&mesh).is_empty());
     }
     assert_eq!(query::penetrates(&mesh, inside), apart);
 }
 
 /// A pile of faces in one place, of which each intersects each other one.
 #[test]
-fn an_interrupted_search_for_self_intersections_ends_soon() {
+fn a_canceled_search_for_self_intersections_ends_soon() {
     let [ground, wall] =
         [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0.25, 0.25, -1.0], [0.25, 0.25, 1.0], [2.0, 0.5, 0.0]]];
     let faces: Vec<[u32; 3]> = (0..3000).map(|i| if i % 2 == 0 { [0, 1, 2] } else { [3, 4, 5] }).collect();
@@ -80,22 +85,23 @@ fn an_interrupted_search_for_self_intersections_ends_soon() {
     let all = query::self_intersecting_pairs(&pile).len();
     let asked = AtomicUsize::new(0);
     let must_stop = || asked.fetch_add(1, Ordering::Relaxed) >= 2;
-    let some = Query::new().with_interrupt(Interrupt::when(&must_stop)).self_intersecting_pairs(&pile).len();
+    let some = Query::new().with_budget(&Budget::new().with_cancel(&must_stop)).self_intersecting_pairs(&pile).len();
     assert!(some < all / 2, "{some} of {all}");
     // Each of the tasks that threads share asks once more, and does nothing.
     assert!(asked.into_inner() < 1 << 14);
 }
 
-/// Checks that an interrupt that always returns `false` changes no answer.
+/// Checks that a budget that is never spent changes no answer.
 #[test]
-fn an_interrupt_that_never_stops_changes_no_answer() {
+fn a_budget_that_is_not_spent_changes_no_answer() {
     let (mesh, thin) = (knot(TREFOIL.radius), knot(0.9 * TREFOIL.radius));
     let asked = AtomicUsize::new(0);
     let never = || {
         asked.fetch_add(1, Ordering::Relaxed);
         false
     };
-    let options = Options { interrupt: Interrupt::when(&never), ..Options::default() };
+    let budget = Budget::new().with_cancel(&never);
+    let options = Options { budget: &budget, ..Options::default() };
     let touching = mesh.at(Pose::from_translation([0.003, 0.001, 0.002]).expect("a pose"));
     let pairs = Query::new().with_options(options).intersecting_pairs(&mesh, touching);
     assert_eq!(pairs, query::intersecting_pairs(&mesh, touching));
