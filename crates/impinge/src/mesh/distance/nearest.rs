@@ -22,11 +22,16 @@ pub(crate) fn nearest(
         return Some(nearest);
     }
     let any = Options { host: HostChoice::SmallerError, ..*options };
-    if let Some(faces) = first_hit(a, b, &any) {
+    let hit = first_hit(a, b, &any);
+    let is_stopped = options.budget.stopped().is_some();
+    if let Some(faces) = hit.filter(|_| !is_stopped) {
         *warm_start = WarmStart { faces: Some(faces), ..WarmStart::default() };
         return Some(intersecting(a, b, faces));
     }
     let mut search = Search::new(a, b, options, f64::INFINITY)?;
+    if is_stopped {
+        return search.answer.nearest(&search.scene, true);
+    }
     if let Some((best, aside)) = far_apart::nearest(&search.scene) {
         *warm_start = WarmStart { faces: Some(best.faces), ..WarmStart::default() };
         return Some(search.scene.finish(&best, aside));
@@ -61,8 +66,8 @@ fn nearest_from_frontier(
 }
 
 /// Returns a pair of faces that are no farther apart than `clearance`, in world units, or `None` if
-/// there is no such pair. Returns `None` if the clearance is negative or NaN. An interrupted search
-/// returns the first faces.
+/// there is no such pair. Returns `None` if the clearance is negative or NaN. A search that
+/// its budget ends returns the first faces.
 pub(crate) fn within(
     a: PlacedMesh<'_>,
     b: PlacedMesh<'_>,

@@ -14,10 +14,12 @@ fn knot() -> Mesh {
     Mesh::new(Positions::F64(knot.vertices), knot.faces).expect("a mesh")
 }
 
-/// A thin knot inside the other, close to it everywhere.
-fn thin_knot() -> Mesh {
-    let knot = torus_knot(400, 40, Knot { radius: 0.9 * TREFOIL.radius, ..TREFOIL });
-    Mesh::new(Positions::F64(knot.vertices), knot.faces).expect("a mesh")
+/// A knot, and a thin one inside it, close to it everywhere.
+fn nested_knots() -> [Mesh; 2] {
+    [1.0, 0.9].map(|thickness| {
+        let knot = torus_knot(2000, 100, Knot { radius: thickness * TREFOIL.radius, ..TREFOIL });
+        Mesh::new(Positions::F64(knot.vertices), knot.faces).expect("a mesh")
+    })
 }
 
 /// Copies of two triangles that cross: each face of one kind intersects each of the other.
@@ -33,7 +35,7 @@ fn ask<'b>(budget: &'b Budget<'b>) -> Query<'b> {
 
 #[test]
 fn a_spent_budget_gives_the_safe_answer_of_each_query() {
-    let (mesh, thin) = (knot(), thin_knot());
+    let [mesh, thin] = nested_knots();
     let passed = || Budget::new().with_deadline(Instant::now());
     let no_steps = || Budget::new().with_steps(0);
     for (budget, reason) in [(passed as fn() -> Budget<'static>, Stopped::Time), (no_steps, Stopped::Steps)] {
