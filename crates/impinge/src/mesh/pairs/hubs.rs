@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use crate::hierarchy::{BinaryTree, Builder, Child};
 use crate::math::vec3::{Vector, length, sub};
 use crate::mesh::Mesh;
+use crate::mesh::options::Interrupt;
 use crate::simd::LANES;
 use crate::volume::Aabb;
 
@@ -26,6 +27,10 @@ const MIN_HUB_FACES: usize = 128;
 /// Bound for the rounding errors of a direction and of the height of an arc, in units of the
 /// sphere's radius.
 const ROUNDING: f64 = 1e-12;
+
+/// Number of nodes of a star that are compared with a leaf between two checks of the interrupt. It
+/// compares few faces, so these take about 100 microseconds.
+const LEAVES_PER_INTERRUPT_CHECK: usize = 1 << 6;
 
 /// Up to three hubs, by number; unused entries are [`NONE`](Self::NONE).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,12 +116,18 @@ impl Hubs {
 
     /// Returns the pairs of faces that share a hub and for which `intersect` returns `true`, the
     /// smaller index first. `intersect` is called once for all copies of two faces.
-    pub(in crate::mesh) fn collect(&self, mesh: &Mesh, intersect: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
+    /// If the interrupt ends the search, these are the pairs found so far.
+    pub(in crate::mesh) fn collect(
+        &self,
+        mesh: &Mesh,
+        interrupt: Interrupt<'_>,
+        intersect: impl Fn([u32; 2]) -> bool + Sync,
+    ) -> Vec<[u32; 2]> {
         let hubs = (0_u32..).zip(&self.vertices);
         hubs.flat_map(|(hub, &vertex)| {
             // If faces share several hubs, the first one reports the pair.
             let is_first = |[one, other]: [u32; 2]| self.of_face(one).first_common(self.of_face(other)) == Some(hub);
-            Star::at(mesh, vertex).collect(|pair| is_first(pair) && intersect(pair))
+            Star::at(mesh, vertex).collect(interrupt, |pair| is_first(pair) && intersect(pair))
         })
         .collect()
     }
@@ -161,7 +172,7 @@ impl Star {
 
     /// Returns the pairs of faces whose arcs overlap and that intersect. Each leaf is compared with
     /// itself and the leaves after it.
-    fn collect(&self, intersect: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
+    fn collect(&self, interrupt: Interrupt<'_>, intersect: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
         let nodes = &self.tree.nodes;
         let leaves = (0..nodes.len() as u32).into_par_iter().filter(|&node| nodes[node as usize].right.is_none());
         leaves
@@ -169,7 +180,12 @@ impl Star {
                 let own = nodes[leaf as usize];
                 let mut found = Vec::new();
                 let mut stack = vec![0];
+                let mut compared = 0_usize;
                 while let Some(node) = stack.pop() {
+                    if compared.is_multiple_of(LEAVES_PER_INTERRUPT_CHECK) && interrupt.is_wanted() {
+                        break;
+                    }
+                    compared += 1;
                     let at = nodes[node as usize];
                     if at.first + at.count <= own.first || !at.bounds.overlaps(&own.bounds) {
                         continue;
@@ -230,7 +246,6 @@ mod tests {
     use super::*;
     use crate::exact::{Placement, intersect_beyond_shared};
     use crate::math::Pose;
-    use crate::mesh::options::Interrupt;
     use crate::mesh::pairs::self_descent::{WantedFaces, collect_self_intersecting};
     use crate::mesh::storage::positions::Positions;
 
