@@ -11,6 +11,7 @@ mod interrupted;
 mod laws;
 mod moving;
 mod parts;
+mod piles;
 mod real;
 mod triangle_pairs;
 mod validation;
