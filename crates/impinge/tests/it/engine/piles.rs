@@ -56,7 +56,7 @@ fn copies_of_faces_change_no_distance() {
                 .map(|face| face.map(|vertex| plain.vertices[vertex as usize].map(|x| x + shift)))
                 .collect();
             // The first face is alone at the front, so that the first faces are those of `distinct`.
-            let more = (0..600).map(|_| distinct[rng.integer(0, distinct.len() as i64) as usize]);
+            let more = (0..600).map(|_| distinct[rng.integer(0, distinct.len() as i64 - 1) as usize]);
             (soup(&distinct), soup(&distinct.iter().copied().chain(more.collect::<Vec<_>>()).collect::<Vec<_>>()))
         };
         let ((a, many_a), (b, many_b)) = (side(0.0), side(f64::from(round) * 2.0));
