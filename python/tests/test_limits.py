@@ -36,13 +36,13 @@ def test_a_call_ends_at_its_deadline(name):
 
 
 def test_rows_that_are_complete_are_returned():
-    with impinge.limit(seconds=0.3):
+    with impinge.limit(seconds=0.005):
         hits, status = impinge.intersects(TORUS, TORUS, MANY, on_error="status")
         late, late_status = impinge.intersects(TORUS, TORUS, MANY[:2], on_error="status")
     is_late = status == impinge.Status.OUT_OF_BUDGET
     assert len(hits) == len(MANY)
-    if is_late.any():  # a fast machine may end in time
-        assert hits[is_late].all()
+    assert is_late.any()
+    assert hits[is_late].all()
     first = np.flatnonzero(~is_late)[:200]
     assert np.array_equal(hits[first], impinge.intersects(TORUS, TORUS, MANY[first]))
     assert len(late) == len(late_status) == 2

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 /// Time after a deadline in which a job may still end by itself, with the rows that are answered.
-const GRACE: Duration = Duration::from_millis(20);
+const GRACE: Duration = Duration::from_millis(100);
 
 /// Number of [`Limits`] objects that Python holds. While there is none, a call does not ask Python
 /// for its limits.

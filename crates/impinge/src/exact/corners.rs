@@ -103,12 +103,28 @@ impl<'p> PairCorners<'p> {
 
     /// Returns the orientation of three corners in the projection along an axis of the exact frame.
     pub(super) fn orient2d(&mut self, axis: usize, p: usize, q: usize, r: usize) -> Sign {
+        self.in_one_frame([p, q, r])
+            .and_then(|[p, q, r]| filter::sign2d(axis, p, q, r))
+            .unwrap_or_else(|| self.exact_orient2d(axis, p, q, r))
+    }
+
+    /// Returns the sign of [`orient2d`](Self::orient2d) without the filter.
+    pub(super) fn exact_orient2d(&mut self, axis: usize, p: usize, q: usize, r: usize) -> Sign {
         self.exact().orient2d(axis, [p, q, r])
     }
 
     /// Compares corner `p` with corner `q` along an axis of the exact frame.
     pub(super) fn compare(&mut self, axis: usize, p: usize, q: usize) -> Sign {
-        self.exact().compare(axis, [p, q])
+        match self.in_one_frame([p, q]).and_then(|[p, q]| p[axis].partial_cmp(&q[axis])) {
+            Some(order) => order.into(),
+            None => self.exact().compare(axis, [p, q]),
+        }
+    }
+
+    /// Returns corners as stored, if the exact frame is the common local frame of both meshes.
+    fn in_one_frame<const N: usize>(&self, corners: [usize; N]) -> Option<[&'p [f64; 3]; N]> {
+        let (a, b) = (self.a, self.b);
+        self.placement.is_shared().then(|| corners.map(|at| if at < 3 { &a[at] } else { &b[at - 3] }))
     }
 
     /// Returns the sign of `det(q - p, r - p, s - p)` in A's frame.

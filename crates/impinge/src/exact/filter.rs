@@ -15,6 +15,11 @@
 //! Differences of floats do not underflow. Each product may lose 2^-1075, and a dozen of them are
 //! multiplied by `w`. Any overflow makes the error infinite or NaN, and then no sign is certain.
 //!
+//! Two more steps follow if a sign is still uncertain. If every term has a factor that is exactly
+//! zero, so is the determinant: all faces of an axis-aligned plane are coplanar in this way. If
+//! underflow is what makes it uncertain, each axis is scaled by a power of two, which keeps the
+//! sign, and the filter runs once more.
+//!
 //! The proof is docs/notes/proof.md, L5, and the tests are below.
 
 use crate::math::Sign;
@@ -39,6 +44,27 @@ pub(super) fn signs<const N: usize>(
     ws: &[[f64; 3]; N],
     errors: &Errors,
 ) -> [Option<Sign>; N] {
+    let (signs, is_lost_to_underflow) = unscaled_signs(u, v, ws, errors);
+    if signs.iter().all(Option::is_some) {
+        return signs;
+    }
+    let signs = with_zeros(signs, u, v, ws, errors);
+    if is_lost_to_underflow && signs.iter().any(Option::is_none) {
+        scaled_signs(signs, u, v, ws, errors)
+    } else {
+        signs
+    }
+}
+
+/// Returns the signs that floats of this scale prove, and whether the bound on underflow is the
+/// largest part of the error.
+#[inline(always)]
+fn unscaled_signs<const N: usize>(
+    u: &[f64; 3],
+    v: &[f64; 3],
+    ws: &[[f64; 3]; N],
+    errors: &Errors,
+) -> ([Option<Sign>; N], bool) {
     let mut normal = [0.0; 3];
     let mut size = [0.0; 3];
     let mut input = 0.0;
@@ -58,8 +84,9 @@ pub(super) fn signs<const N: usize>(
         rounding += size[k] * extent;
         extent_sum += extent + errors.w[k];
     }
-    let error = input * INFLATE + rounding * ROUNDING + extent_sum * UNDERFLOW;
-    ws.map(|w| {
+    let (relative, underflow) = (input * INFLATE + rounding * ROUNDING, extent_sum * UNDERFLOW);
+    let error = relative + underflow;
+    let signs = ws.map(|w| {
         let determinant = dot(&normal, &w);
         // Both comparisons are false if either side is NaN. No sign is returned for a determinant
         // that overflows either: each of its steps is at most the same step of `rounding`, which
@@ -71,7 +98,93 @@ pub(super) fn signs<const N: usize>(
         } else {
             None
         }
+    });
+    (signs, relative < underflow)
+}
+
+/// Adds to the known signs those that are certain once the largest component along each axis is about 1.
+///
+/// # Accuracy
+/// A product with a power of two is exact, or it underflows and loses 2^-1075 at most. Components
+/// are below 2 then, so all that is lost in 18 factors is far below the bound on underflow. Errors
+/// are scaled with their vectors. If a number overflows or is NaN, no sign is certain.
+#[cold]
+fn scaled_signs<const N: usize>(
+    known: [Option<Sign>; N],
+    u: &[f64; 3],
+    v: &[f64; 3],
+    ws: &[[f64; 3]; N],
+    errors: &Errors,
+) -> [Option<Sign>; N] {
+    let scales: [f64; 3] = std::array::from_fn(|k| {
+        reciprocal_power_of_two(ws.iter().fold(u[k].abs().max(v[k].abs()), |largest, w| largest.max(w[k].abs())))
+    });
+    let scaled = |vector: &[f64; 3]| std::array::from_fn(|k| vector[k] * scales[k]);
+    let errors = Errors { u: &scaled(errors.u), v: &scaled(errors.v), w: &scaled(errors.w) };
+    let (signs, _) = unscaled_signs(&scaled(u), &scaled(v), &ws.each_ref().map(scaled), &errors);
+    std::array::from_fn(|n| known[n].or(signs[n]))
+}
+
+/// Returns a power of two whose product with `x` is below 2, and at least 1/2 unless that would
+/// take more than 2^1000. Returns 1 for zero and for numbers that are not finite.
+fn reciprocal_power_of_two(x: f64) -> f64 {
+    if x == 0.0 || !x.is_finite() {
+        return 1.0;
+    }
+    let exponent = (x.to_bits() >> 52) as i32 - 1023;
+    f64::from_bits(((1023 - exponent.clamp(-1000, 1000)) as u64) << 52)
+}
+
+/// Replaces `None` by zero if the vectors are exact and each term has a factor that is zero.
+#[cold]
+fn with_zeros<const N: usize>(
+    signs: [Option<Sign>; N],
+    u: &[f64; 3],
+    v: &[f64; 3],
+    ws: &[[f64; 3]; N],
+    errors: &Errors,
+) -> [Option<Sign>; N] {
+    if [errors.u, errors.v, errors.w].iter().any(|error| **error != [0.0; 3]) {
+        return signs;
+    }
+    let no_area: [bool; 3] = std::array::from_fn(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        (u[i] == 0.0 || v[j] == 0.0) && (u[j] == 0.0 || v[i] == 0.0)
+    });
+    let is_zero = |w: &[f64; 3]| (0..3).all(|k| no_area[k] || w[k] == 0.0);
+    std::array::from_fn(|n| signs[n].or_else(|| is_zero(&ws[n]).then_some(Sign::Zero)))
+}
+
+/// Returns the sign of `det(q - p, r - p)` in the projection along an axis, or `None` if it is not
+/// certain. The points are exact. The other two axes follow `axis` in cyclic order.
+///
+/// # Accuracy
+/// Two differences, the product and the last difference are rounded. They add up to slightly more
+/// than 4 units of the magnitudes. Zero is certain if both products have a factor that is zero.
+#[inline]
+pub(super) fn sign2d(axis: usize, p: &[f64; 3], q: &[f64; 3], r: &[f64; 3]) -> Option<Sign> {
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    let (u, v) = ([q[i] - p[i], q[j] - p[j]], [r[i] - p[i], r[j] - p[j]]);
+    unscaled_sign2d(u, v).or_else(|| {
+        let scales = [0, 1].map(|k| reciprocal_power_of_two(u[k].abs().max(v[k].abs())));
+        let scaled = |vector: [f64; 2]| [0, 1].map(|k| vector[k] * scales[k]);
+        let is_zero = (u[0] == 0.0 || v[1] == 0.0) && (u[1] == 0.0 || v[0] == 0.0);
+        if is_zero { Some(Sign::Zero) } else { unscaled_sign2d(scaled(u), scaled(v)) }
     })
+}
+
+#[inline]
+fn unscaled_sign2d(u: [f64; 2], v: [f64; 2]) -> Option<Sign> {
+    let (forward, backward) = (u[0] * v[1], u[1] * v[0]);
+    let determinant = forward - backward;
+    let error = 5.0 * UNIT_ROUNDOFF * (forward.abs() + backward.abs()) + UNDERFLOW;
+    if determinant > error {
+        Some(Sign::Positive)
+    } else if determinant < -error {
+        Some(Sign::Negative)
+    } else {
+        None
+    }
 }
 
 #[cfg(test)]
@@ -222,5 +335,42 @@ mod tests {
                 assert_eq!(filtered(&point, &exact), None);
             }
         }
+    }
+
+    /// Points with a power of two for each axis, or for each coordinate, many of them in a plane of
+    /// two axes: zeros are exact, and most signs survive the scaling.
+    #[test]
+    fn extreme_exponents_are_decided() {
+        let mut random = Random(4);
+        let power = |random: &mut Random| f64::from_bits(((1023.0 + 300.0 * (random.unit() - 0.4)) as u64) << 52);
+        let exact = Errors { u: &NONE, v: &NONE, w: &NONE };
+        let mut certain = [[0; 3]; 3];
+        for case in 0..60_000 {
+            let kind = case % 3;
+            let axes: [f64; 3] = std::array::from_fn(|_| power(&mut random) * 2.0_f64.powi(-320));
+            let points: [[f64; 3]; 4] = std::array::from_fn(|_| {
+                let mut point: [f64; 3] = random.vector();
+                match kind {
+                    0 => point = std::array::from_fn(|k| point[k] * axes[k]),
+                    1 => point = point.map(|x| x * power(&mut random)),
+                    _ => point[case / 3 % 3] = 0.25,
+                }
+                point
+            });
+            let truth = exact_sign(&points);
+            if let Some(sign) = filtered(&points, &exact) {
+                assert_eq!(sign, truth, "{points:?}");
+                certain[kind][(sign as i8 + 1) as usize] += 1;
+            }
+            for axis in 0..3 {
+                let [p, q, r, _] = &points;
+                let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+                let from_p = |x: &[f64; 3], k: usize| &Dyadic::from_f64(x[k]) - &Dyadic::from_f64(p[k]);
+                let truth = (&(&from_p(q, i) * &from_p(r, j)) - &(&from_p(q, j) * &from_p(r, i))).sign();
+                assert!(sign2d(axis, p, q, r).is_none_or(|sign| sign == truth), "{points:?}");
+            }
+        }
+        assert!(certain[0][0] > 8000 && certain[0][2] > 8000, "{certain:?}");
+        assert!(certain[1][0] > 8000 && certain[1][2] > 8000 && certain[2][1] == 20_000, "{certain:?}");
     }
 }

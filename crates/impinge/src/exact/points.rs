@@ -6,7 +6,7 @@
 //! triangle decisions take over. The proof is docs/notes/proof.md, L10, and the tests are below.
 
 use super::corners::PairCorners;
-use super::filter::ROUNDING;
+use super::filter::{ROUNDING, sign2d};
 use super::placement::{Placement, world_coordinate};
 use crate::math::Pose;
 use crate::math::Sign::{self, Negative, Positive, Zero};
@@ -121,21 +121,10 @@ pub(crate) fn orient3d(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3], s: &[f64; 3]) -
 /// Returns the sign of `det(q - p, r - p)` in the projection along an axis. The other two axes
 /// follow it in cyclic order.
 pub(crate) fn orient2d(axis: usize, p: &[f64; 3], q: &[f64; 3], r: &[f64; 3]) -> Sign {
-    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-    let forward = (q[i] - p[i]) * (r[j] - p[j]);
-    let backward = (q[j] - p[j]) * (r[i] - p[i]);
-    let determinant = forward - backward;
-    // Two differences, the product and the last difference are rounded. They add up to slightly
-    // more than 4 units of the magnitudes.
-    let error = 5.0 * UNIT_ROUNDOFF * (forward.abs() + backward.abs()) + UNDERFLOW;
-    if determinant > error {
-        Positive
-    } else if determinant < -error {
-        Negative
-    } else {
+    sign2d(axis, p, q, r).unwrap_or_else(|| {
         let placement = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
-        PairCorners::new(&placement, &[*p, *q, *r], &[*p, *q, *r]).orient2d(axis, 0, 1, 2)
-    }
+        PairCorners::new(&placement, &[*p, *q, *r], &[*p, *q, *r]).exact_orient2d(axis, 0, 1, 2)
+    })
 }
 
 /// Reports whether three points lie on one line. Equal points count as lying on one line with any

@@ -81,13 +81,13 @@ fn beyond_edge(one_place: &Placement, a: &Corners, b: &Corners, ends: [[f64; 3];
     let (Some(third_a), Some(third_b)) = (third(a), third(b)) else { return false };
     let from_end = |corner: &[f64; 3]| sub(corner, &ends[0]);
     let [certain] = signs(&from_end(&ends[1]), &from_end(&a[third_a]), &[from_end(&b[third_b])]);
-    if certain.is_some() {
+    if certain.is_some_and(|side| side != Zero) {
         return false;
     }
     let mut corners = PairCorners::new(one_place, a, b);
     let [v, w] = ends.map(|end| a.iter().position(|corner| *corner == end).unwrap_or_default());
     let (r, s) = (third_a, 3 + third_b);
-    if corners.exact_orient3d(v, w, r, s) != Zero {
+    if certain.is_none() && corners.exact_orient3d(v, w, r, s) != Zero {
         return false;
     }
     for axis in 0..3 {

@@ -64,6 +64,11 @@ pub(crate) struct Task {
 
 impl Task {
     const ROOT: Self = Self { guest: 0, host: 0 };
+
+    /// Returns the nodes of the host and of the guest.
+    pub(crate) fn host_guest(&self) -> [u32; 2] {
+        [self.host, self.guest]
+    }
 }
 
 /// A guest leaf, and the leaves of a host node that overlap it.
@@ -118,8 +123,9 @@ pub(crate) enum Order {
         ahead: usize,
         most: usize,
     },
-    /// Opens the first task first, until there are this many tasks to share, or none.
-    BreadthFirstUntil(usize),
+    /// Opens the first task first, until there are `enough` tasks to share, or none, and at most
+    /// `most` tasks.
+    BreadthFirst { enough: usize, most: usize },
 }
 
 /// The nodes of two trees and the maps between them.
@@ -163,16 +169,16 @@ impl Descent<'_> {
             approaches: Queue::new(Approach { guest_leaf: 0, host: 0, host_lanes: 0 }),
             queue_len: match order {
                 Order::DepthFirst { ahead, .. } => ahead.min(QUEUE),
-                Order::BreadthFirstUntil(_) => QUEUE,
+                Order::BreadthFirst { .. } => QUEUE,
             },
             edge_cross: None,
         };
         let mut done = 0;
         loop {
             let task = match order {
-                Order::BreadthFirstUntil(enough) => {
+                Order::BreadthFirst { enough, most } => {
                     let left = tasks.len() - done; // the tasks before these are done
-                    if left == 0 || left >= enough {
+                    if left == 0 || left >= enough || done == most {
                         tasks.drain(..done);
                         break;
                     }

@@ -3,6 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::derived::cap::Cap;
+use super::derived::copies::Copies;
 use super::derived::moments::FarField;
 use super::derived::topology::{Components, Topology};
 use super::storage::frame::PackedFrame;
@@ -70,6 +71,8 @@ pub(super) struct Derived {
     pub(super) sheets: OnceLock<Components>,
     /// Boxes about the border, and the distance beyond which it does not matter.
     pub(super) cap: OnceLock<Cap>,
+    /// Faces that are copies of another face.
+    pub(super) copies: OnceLock<Copies>,
 }
 
 impl Mesh {
@@ -137,6 +140,13 @@ impl Mesh {
         data.derived
             .far_field
             .get_or_init(|| FarField::of(&data.tree, &data.leaves, &data.frame, |face| self.corners(face)))
+    }
+
+    /// Returns which faces are copies of another face, computed at the first call.
+    pub(crate) fn copies(&self) -> &Copies {
+        let data = &*self.0;
+        let first_at = &self.topology().first_at;
+        data.derived.copies.get_or_init(|| Copies::of(first_at, &data.faces, data.tree.nodes(), &data.leaves))
     }
 
     /// Returns the number of bytes of the mesh, its hierarchy and its packets. A packet is made

@@ -31,7 +31,7 @@
 //!   [`proximity()`] and [`nearness()`] return [`Undecided`](Proximity::Undecided) instead.
 //! - No answer depends on the vector unit, on the number of threads or on the order of the work.
 //!
-//! [`Query`] adds a cache or an interrupt to a query, and [`batch`] asks a query at many poses.
+//! [`Query`] adds a cache or a budget to a query, and [`batch`] asks a query at many poses.
 //!
 //! ```
 //! use impinge::{Mesh, Pose, Positions, Shape, query};

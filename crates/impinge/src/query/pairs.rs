@@ -58,9 +58,9 @@ pub struct LimitedPairs {
 /// Exact, as for [`intersecting_pairs`].
 ///
 /// # Complexity
-/// The time grows with the number of pairs of leaves whose boxes overlap. Pairs of leaves are
-/// skipped if all their pairs of faces come after the pairs that are kept. Each thread needs memory
-/// for a few times `limit` pairs.
+/// If there are at most `limit` pairs, as for [`intersecting_pairs`]. Once more are found, all parts
+/// of the hierarchy whose pairs come after the pairs that are kept are skipped. Each thread needs
+/// memory for a few times `limit` pairs, and for a few thousand.
 #[must_use]
 pub fn intersecting_pairs_up_to<'a, 'b>(
     a: impl Into<PlacedMesh<'a>>,

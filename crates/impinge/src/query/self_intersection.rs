@@ -22,7 +22,8 @@ use crate::mesh::{Mesh, WantedFaces, collect_self_intersecting};
 /// The time grows with the number of pairs of faces whose boxes overlap. The search runs on all
 /// threads of the current rayon pool. Some corners are shared by more than a hundred faces, such as
 /// the center of a fan. There a pair of faces counts only if the boxes of their directions from the
-/// corner overlap.
+/// corner overlap. Many needles through one place are compared only within small cells of space, so
+/// that n needles take about n^1.5 comparisons.
 ///
 /// ```
 /// use impinge::{Mesh, Positions, query};

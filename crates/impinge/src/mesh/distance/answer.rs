@@ -29,6 +29,10 @@ const DEFERRED_PER_VALUE: usize = 4;
 /// well, so a smaller number would try planes without success on ordinary meshes.
 const MIN_TIES: usize = 256;
 
+/// Number of ties per face of both meshes from which copies of faces are skipped. Finding them takes
+/// about as long as two values per face.
+const TIES_PER_FACE: usize = 4;
+
 /// Maximum ratio of the diagonal of the whole scene to the extent of the smaller mesh for which
 /// planes are tried in a query for the distance. Beyond it the error of values is so large that
 /// many faces of the smaller mesh seem to tie.
@@ -55,6 +59,10 @@ pub(super) struct Answer {
     /// Number of processed pairs of faces that tie with the best pair. In a query with a clearance,
     /// number of processed pairs that are farther apart than the clearance.
     ties: usize,
+    /// Whether copies of a face are skipped, all but the first. Each tie then counts for all copies.
+    pub(super) skips_copies: bool,
+    /// Number of ties from which copies are skipped.
+    many_ties: usize,
     /// Number of ties at which planes are tried for the first time.
     first_trial: usize,
     /// Number of ties at which planes are tried next.
@@ -87,6 +95,8 @@ impl Answer {
             node_limit: f32::INFINITY,
             values_left: MAX_VALUES,
             ties: 0,
+            skips_copies: false,
+            many_ties: TIES_PER_FACE * scene.face_count(),
             first_trial,
             next_trial: first_trial,
             proved: None,
@@ -168,6 +178,13 @@ impl Answer {
         Some(scene.finish(&best, doubt))
     }
 
+    /// Counts a pair that ties, together with all copies that are skipped.
+    fn count_tie(&mut self, scene: &Scene<'_>, [a, b]: [u32; 2]) {
+        let copies = || scene.meshes[0].copies().count(a).max(1) * scene.meshes[1].copies().count(b).max(1);
+        self.ties += if self.skips_copies { copies() } else { 1 };
+        self.skips_copies |= self.ties >= self.many_ties;
+    }
+
     /// Sets the distance beyond which pairs are skipped, in metric units.
     fn cut(&mut self, scene: &Scene<'_>, metric: f64) {
         self.cut = metric;
@@ -198,14 +215,19 @@ impl Answer {
                 self.kept = Some(faces);
                 return Break(());
             }
-            self.ties += 1;
+            self.count_tie(scene, faces);
             return self.try_planes_in_time(scene);
         }
         let valued = Valued { value, faces, witness };
         self.values_left = self.values_left.saturating_sub(1);
         let is_far_better = self.best.is_none_or(|best| value < best.value - 2.0 * error);
         let is_tie = self.best.is_some_and(|best| value <= best.value + 2.0 * error);
-        self.ties = if is_far_better { 1 } else { self.ties + usize::from(is_tie) };
+        if is_far_better {
+            self.ties = 0;
+        }
+        if is_tie || is_far_better {
+            self.count_tie(scene, faces);
+        }
         if self.best.is_none_or(|best| valued.precedes(&best)) || self.values_left == 0 {
             let best = self.best.filter(|best| best.precedes(&valued)).unwrap_or(valued);
             self.best = Some(best);

@@ -68,7 +68,12 @@ pub(super) fn process_leaves<S: Simd, const KEEPS: bool>(
     let sides = scene.sides();
     let reached = direction_bounds.of_leaves(simd, [host_packet, guest_packet]);
     let near = Reached::near(&reached, simd, answer.cut * f64::from(beyond));
-    let (near, near_guests) = lanes_in_use(near, packets);
+    let used = if answer.skips_copies {
+        first_lanes(scene, packets)
+    } else {
+        packets.each_ref().map(|packet| packet.lanes_in_use())
+    };
+    let (near, near_guests) = lanes_in_use(near, used);
     let limit = answer.limit * beyond;
     if near_guests == 0 {
         return Continue(limit);
@@ -94,13 +99,23 @@ pub(super) fn process_leaves<S: Simd, const KEEPS: bool>(
     Continue(least)
 }
 
-/// Removes the lanes that hold no triangle. Returns the host lanes of each guest lane, and the
-/// guest lanes that have any, as bits.
+/// Returns the lanes of host and guest that hold a triangle without an earlier copy, as bits.
+#[cold]
+fn first_lanes(scene: &Scene<'_>, packets: &[Packet<'_>; 2]) -> [u32; 2] {
+    let sides = scene.sides();
+    [0, 1].map(|k| {
+        let copies = scene.meshes[sides[k]].copies();
+        packets[k].lanes_in_use() & copies.first_lanes(&packets[k].leaf.faces)
+    })
+}
+
+/// Removes the lanes that are not in use. Returns the host lanes of each guest lane, and the guest
+/// lanes that have any, as bits.
 #[inline(always)]
-fn lanes_in_use(mut near: [u32; LANES], [host, guest]: &[Packet<'_>; 2]) -> ([u32; LANES], u32) {
+fn lanes_in_use(mut near: [u32; LANES], [host, guest]: [u32; 2]) -> ([u32; LANES], u32) {
     let mut near_guests = 0;
-    for lane in bits(guest.lanes_in_use()) {
-        near[lane] &= host.lanes_in_use();
+    for lane in bits(guest) {
+        near[lane] &= host;
         near_guests |= u32::from(near[lane] != 0) << lane;
     }
     (near, near_guests)

@@ -3,6 +3,7 @@
 
 use super::bounds::Bounds;
 use super::metric::Metric;
+use super::slot::Slot;
 use crate::exact::{NearParts, Placement, Supports, parts_within};
 use crate::math::vec3::{Vector, dot, sub};
 use crate::mesh::{Mesh, PlacedMesh};
@@ -105,6 +106,19 @@ impl Scene<'_> {
     fn vertices(&self, m: usize) -> impl Iterator<Item = [f64; 3]> + Clone + use<'_> {
         let vertices = self.meshes[m].0.vertices.slice();
         (0..vertices.len()).map(move |vertex| vertices.get(vertex))
+    }
+
+    /// Reports whether all faces below a child of the host or of the guest are copies of faces
+    /// elsewhere.
+    #[cold]
+    pub(super) fn are_copies(&self, [host, guest]: [Slot; 2]) -> bool {
+        let [of_host, of_guest] = self.sides().map(|side| self.meshes[side].copies());
+        !of_host.has_first(host.node, host.lane) || !of_guest.has_first(guest.node, guest.lane)
+    }
+
+    /// Returns the number of faces of both meshes.
+    pub(super) fn face_count(&self) -> usize {
+        self.meshes.iter().map(|mesh| mesh.faces().len()).sum()
     }
 
     /// Returns the number of vertices of both meshes.

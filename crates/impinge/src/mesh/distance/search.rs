@@ -71,10 +71,10 @@ impl<'a> Search<'a> {
         let [host, guest] = bounds.sides.host_guest([a.mesh, b.mesh]);
         let placement = Placement::new(&a.world_from_mesh, &b.world_from_mesh);
         let scene = Scene { meshes: [a.mesh, b.mesh], metric, placement, bounds, clearance };
-        let metric = &scene.metric;
-        let farthest = if clearance == f64::INFINITY { metric.diagonal } else { clearance * metric.scale };
-        let answer = Answer::new(&scene, farthest + 2.0 * metric.error);
-        let line_bound = LineBound::new([host, guest], metric, scene.sides());
+        let Metric { diagonal, scale, error, .. } = scene.metric;
+        let farthest = if clearance == f64::INFINITY { diagonal } else { clearance * scale };
+        let answer = Answer::new(&scene, farthest + 2.0 * error);
+        let line_bound = LineBound::new([host, guest], &scene.metric, scene.sides());
         Some(Self {
             scene,
             answer,
@@ -140,7 +140,7 @@ impl<'a> Search<'a> {
         WarmStart { faces, frontier: self.frontier, costly }
     }
 
-    /// Returns the nearest points so far, in the world frame, or `None` if no pair was processed.
+    /// Returns the nearest points so far, in the world frame, if a pair was processed.
     pub(super) fn nearest(&mut self) -> Option<Nearest> {
         self.answer.nearest(&self.scene, self.slices.is_stopped)
     }
@@ -184,7 +184,8 @@ impl<'a> Search<'a> {
     fn process_tasks<S: Simd, const KEEPS: bool>(&mut self, simd: S) -> ControlFlow<()> {
         while let Some(task) = self.tasks.pop() {
             self.slices.count_task()?;
-            if task.bound > self.answer.node_limit {
+            let are_copies = || self.answer.skips_copies && self.scene.are_copies(task.slots);
+            if task.bound > self.answer.node_limit || are_copies() {
                 continue;
             }
             let cut = self.answer.cut;
@@ -204,7 +205,7 @@ impl<'a> Search<'a> {
                 continue;
             }
             let entries = self.entries();
-            // The node to open, if not both. One call of each function keeps the code small.
+            // The node to open, if not both.
             let one = match (host_node.child(host_lane), guest_node.child(guest_lane)) {
                 (Child::Leaf(host), Child::Leaf(guest)) => {
                     let packets = [self.packets[HOST].get(simd, host), self.packets[GUEST].get(simd, guest)];
@@ -306,8 +307,7 @@ impl<'a> Search<'a> {
             return NO_ENTRY;
         }
         let one = self.box_of(simd, 1 - side, other);
-        let Self { scene, answer, nodes, carried, frontier, .. } = self;
-        let Some(frontier) = frontier else { return NO_ENTRY };
+        let Self { scene, answer, nodes, carried, frontier: Some(frontier), .. } = self else { return NO_ENTRY };
         let opened = &nodes[side][node as usize];
         outlined(
             simd,

@@ -7,8 +7,10 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::leaf_pairs::{CACHED_GUEST_LEAVES, Deciding, LeafPairs, Question, Wanted, keep_smallest};
+use super::leaf_pairs::{CACHED_GUEST_LEAVES, LeafPairs, Question};
 use super::relation::Relations;
+use super::sides::Sides;
+use super::wanted::{Deciding, Kept, Wanted, keep_smallest};
 use super::world_box;
 use crate::budget::Budget;
 use crate::exact::{Placement, triangles_intersect};
@@ -18,7 +20,11 @@ use crate::simd::{Level, dispatch};
 
 /// Number of node pairs that are opened between two checks of the budget: about 100
 /// microseconds.
-const TASKS_PER_INTERRUPT_CHECK: usize = 1 << 10;
+const TASKS_PER_BUDGET_CHECK: usize = 1 << 10;
+
+/// Number of node pairs that are opened between two rounds of skipping, in a search that keeps only
+/// the smallest pairs and has found enough.
+const TASKS_PER_SKIP: usize = 1 << 5;
 
 /// Number of tasks per thread into which the upper levels are split before threads share them. More
 /// tasks balance the load better, fewer let threads start sooner.
@@ -90,11 +96,13 @@ fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Option
     };
     let (Some(root), true) = (descent.root(), wanted.kept > 0) else { return Vec::new() };
 
-    let question = Question { host, guest, relation, back, placement: &placement, sides, wanted };
+    let kept = Kept::new(a.mesh);
+    let budget = options.budget;
+    let question = Question { host, guest, relation, back, placement: &placement, sides, wanted, kept: &kept, budget };
     if wanted.limit < usize::MAX {
         // A search for the first pairs wants each pair to be decided before others are looked at,
         // so nothing is queued.
-        let mut pairs = question.pairs(1, options.budget);
+        let mut pairs = question.pairs(1);
         let mut tasks = Vec::with_capacity(FIRST_HIT_STACK_CAPACITY);
         tasks.push(root);
         if run_tasks(options, &descent, 1, &mut tasks, &mut pairs).is_break() {
@@ -103,16 +111,26 @@ fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Option
         return pairs.found;
     }
 
-    let mut first = question.pairs(CACHED_GUEST_LEAVES, options.budget);
+    let mut first = question.pairs(CACHED_GUEST_LEAVES);
     let mut tasks = vec![root];
     let threads = rayon::current_num_threads();
     if threads > 1 {
         let enough = MIN_SHARED_TASKS.max(TASKS_PER_THREAD * threads);
-        run_descent(options.level, &descent, Order::BreadthFirstUntil(enough), &mut tasks, &mut first);
+        let order = Order::BreadthFirst { enough, most: TASKS_PER_BUDGET_CHECK };
+        while !tasks.is_empty() && tasks.len() < enough {
+            run_descent(options.level, &descent, order, &mut tasks, &mut first);
+            if first.is_stopped || options.budget.is_spent() {
+                tasks.clear();
+            }
+        }
         if tasks.len() >= enough {
+            if wanted.kept < usize::MAX {
+                // The smallest pairs are found first, so the others are soon skipped.
+                tasks.sort_by_cached_key(|task| kept.first_face(first_node(sides, task)));
+            }
             let chunk = tasks.len().div_ceil(TASKS_PER_THREAD * threads);
             let shared = tasks.par_chunks(chunk).map(|tasks| {
-                let mut pairs = question.pairs(CACHED_GUEST_LEAVES, options.budget);
+                let mut pairs = question.pairs(CACHED_GUEST_LEAVES);
                 let _ = run_tasks(options, &descent, QUEUE, &mut tasks.to_vec(), &mut pairs);
                 pairs.found
             });
@@ -142,6 +160,12 @@ fn joined(budget: &Budget<'_>, all: &mut Vec<[u32; 2]>, lists: &[Vec<[u32; 2]>])
     }
 }
 
+/// Returns the node of the first mesh that a task opens.
+fn first_node(sides: Sides, task: &Task) -> u32 {
+    let [first, _] = sides.first_second(task.host_guest());
+    first
+}
+
 /// Processes all tasks depth first. Returns `Break` if the budget is spent.
 fn run_tasks(
     options: &Options<'_>,
@@ -151,7 +175,18 @@ fn run_tasks(
     pairs: &mut LeafPairs<'_>,
 ) -> ControlFlow<()> {
     loop {
-        run_descent(options.level, descent, Order::DepthFirst { ahead, most: TASKS_PER_INTERRUPT_CHECK }, tasks, pairs);
+        let (kept, sides) = (pairs.question.kept, pairs.question.sides);
+        let last_face = kept.last_face();
+        let most = if last_face < u32::MAX {
+            tasks.retain(|task| kept.first_face(first_node(sides, task)) <= last_face);
+            TASKS_PER_SKIP
+        } else {
+            TASKS_PER_BUDGET_CHECK
+        };
+        run_descent(options.level, descent, Order::DepthFirst { ahead, most }, tasks, pairs);
+        if pairs.is_stopped {
+            return ControlFlow::Break(());
+        }
         if tasks.is_empty() {
             return ControlFlow::Continue(());
         }

@@ -14,6 +14,7 @@
 
 use rayon::prelude::*;
 
+use crate::budget::Budget;
 use crate::hierarchy::{BinaryTree, Builder, Child};
 use crate::math::vec3::{Vector, length, sub};
 use crate::mesh::Mesh;
@@ -26,6 +27,10 @@ const MIN_HUB_FACES: usize = 128;
 /// Bound for the rounding errors of a direction and of the height of an arc, in units of the
 /// sphere's radius.
 const ROUNDING: f64 = 1e-12;
+
+/// Number of nodes of a star that are compared with a leaf between two checks of the budget. It
+/// compares few faces, so these take about 100 microseconds.
+const LEAVES_PER_BUDGET_CHECK: usize = 1 << 6;
 
 /// Up to three hubs, by number; unused entries are [`NONE`](Self::NONE).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,12 +116,18 @@ impl Hubs {
 
     /// Returns the pairs of faces that share a hub and for which `intersect` returns `true`, the
     /// smaller index first. `intersect` is called once for all copies of two faces.
-    pub(in crate::mesh) fn collect(&self, mesh: &Mesh, intersect: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
+    /// If the budget ends the search, these are the pairs found so far.
+    pub(in crate::mesh) fn collect(
+        &self,
+        mesh: &Mesh,
+        budget: &Budget<'_>,
+        intersect: impl Fn([u32; 2]) -> bool + Sync,
+    ) -> Vec<[u32; 2]> {
         let hubs = (0_u32..).zip(&self.vertices);
         hubs.flat_map(|(hub, &vertex)| {
             // If faces share several hubs, the first one reports the pair.
             let is_first = |[one, other]: [u32; 2]| self.of_face(one).first_common(self.of_face(other)) == Some(hub);
-            Star::at(mesh, vertex).collect(|pair| is_first(pair) && intersect(pair))
+            Star::at(mesh, vertex).collect(budget, |pair| is_first(pair) && intersect(pair))
         })
         .collect()
     }
@@ -161,7 +172,7 @@ impl Star {
 
     /// Returns the pairs of faces whose arcs overlap and that intersect. Each leaf is compared with
     /// itself and the leaves after it.
-    fn collect(&self, intersect: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
+    fn collect(&self, budget: &Budget<'_>, intersect: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
         let nodes = &self.tree.nodes;
         let leaves = (0..nodes.len() as u32).into_par_iter().filter(|&node| nodes[node as usize].right.is_none());
         leaves
@@ -169,7 +180,12 @@ impl Star {
                 let own = nodes[leaf as usize];
                 let mut found = Vec::new();
                 let mut stack = vec![0];
+                let mut compared = 0_usize;
                 while let Some(node) = stack.pop() {
+                    if compared.is_multiple_of(LEAVES_PER_BUDGET_CHECK) && budget.is_spent() {
+                        break;
+                    }
+                    compared += 1;
                     let at = nodes[node as usize];
                     if at.first + at.count <= own.first || !at.bounds.overlaps(&own.bounds) {
                         continue;

@@ -12,6 +12,7 @@ use super::guest_cache::GuestCache;
 use super::large_leaf::LargeLeaf;
 use super::relation::Relation;
 use super::sides::Sides;
+use super::wanted::{Deciding, Kept, Wanted};
 use crate::budget::Budget;
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{APPROACHES_PER_BATCH, Large, LeafVisitor, Node, overlapping};
@@ -42,36 +43,15 @@ pub(in crate::mesh) const CACHED_GUEST_LEAVES: usize = 32;
 const MAX_UNDECIDED_PAIRS: usize = 8;
 
 /// Half of the minimum length at which the list of found pairs is trimmed to those that are kept.
-/// Twice this number of pairs are 256 KiB; a smaller value would save nothing.
-const HALF_MIN_TRIM_LENGTH: usize = 1 << 14;
+/// A larger value skips less, and a smaller one trims more often.
+const HALF_MIN_TRIM_LENGTH: usize = 1 << 10;
 
-/// When pairs that the filter leaves undecided are decided exactly.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Deciding {
-    /// At once. If only some pairs are wanted, they are then the first ones in the order of the
-    /// descent, which is the same for every vector unit.
-    AtOnce,
-    /// When nothing else is left, or too many are undecided. Meanwhile their faces and vertices are
-    /// prefetched, and the filter may prove another pair intersecting. Which pair is found first
-    /// differs between vector units.
-    Last,
-}
+/// Work between two checks of the budget, about 100 microseconds. One unit is eight classified
+/// candidates.
+const WORK_PER_BUDGET_CHECK: usize = 1 << 11;
 
-/// Which of the intersecting pairs are wanted.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Wanted {
-    /// Number of found pairs at which the descent ends.
-    pub(in crate::mesh) limit: usize,
-    /// Maximum number of pairs that are kept: the smallest ones of those found.
-    pub(in crate::mesh) kept: usize,
-    /// When undecided pairs are decided.
-    pub(super) deciding: Deciding,
-}
-
-impl Wanted {
-    /// All pairs.
-    pub(in crate::mesh) const ALL: Self = Self { limit: usize::MAX, kept: usize::MAX, deciding: Deciding::Last };
-}
+/// Work of one exact decision: about a microsecond, and 40 if the integers have any size.
+const WORK_OF_DECISION: usize = 1 << 6;
 
 /// A pair of leaves in the queue: the slot of the guest leaf in the cache, and the host leaf.
 #[derive(Clone, Copy, Debug, Default)]
@@ -92,15 +72,16 @@ pub(super) struct Question<'a> {
     /// Which mesh is the host.
     pub(in crate::mesh) sides: Sides,
     pub(in crate::mesh) wanted: Wanted,
+    pub(super) kept: &'a Kept<'a>,
+    pub(super) budget: &'a Budget<'a>,
 }
 
 impl Question<'_> {
-    /// Returns an empty queue with a budget for the pairs that are found. It caches up to `cached_guests` guest leaves, which must be a power
+    /// Returns an empty queue that caches up to `cached_guests` guest leaves, which must be a power
     /// of two. If that is less than the usual queue length, the queue is processed at that length.
-    pub(in crate::mesh) fn pairs<'p>(&'p self, cached_guests: usize, budget: &'p Budget<'p>) -> LeafPairs<'p> {
+    pub(in crate::mesh) fn pairs(&self, cached_guests: usize) -> LeafPairs<'_> {
         LeafPairs {
             question: *self,
-            budget,
             host_packets: self.host.packets(),
             guest_packets: self.guest.packets(),
             process_at: cached_guests.min(MIN_QUEUED_LEAF_PAIRS + LEAF_PAIRS_PER_BATCH),
@@ -113,15 +94,15 @@ impl Question<'_> {
             candidates: Candidates::EMPTY,
             undecided: Vec::new(),
             found: Vec::new(),
-            last_face: u32::MAX,
+            work: 0,
+            is_stopped: false,
         }
     }
 }
 
 /// A queue of leaf pairs of two meshes, and the pairs of faces found so far.
 pub(super) struct LeafPairs<'a> {
-    question: Question<'a>,
-    budget: &'a Budget<'a>,
+    pub(super) question: Question<'a>,
     host_packets: Packets<'a>,
     guest_packets: Packets<'a>,
     guests: GuestCache,
@@ -139,8 +120,10 @@ pub(super) struct LeafPairs<'a> {
     /// Undecided pairs of faces, if they are decided last; few more than [`MAX_UNDECIDED_PAIRS`].
     undecided: Vec<[u32; 2]>,
     pub(in crate::mesh) found: Vec<[u32; 2]>,
-    /// Largest index of a face of the first mesh whose pairs can still be kept.
-    last_face: u32,
+    /// Work since the last check of the budget.
+    work: usize,
+    /// Whether the budget ended the search.
+    pub(super) is_stopped: bool,
 }
 
 impl LeafPairs<'_> {
@@ -194,8 +177,9 @@ impl LeafPairs<'_> {
     /// Returns those of `lanes` whose pairs with a guest leaf may still be kept.
     #[cold]
     fn lanes_to_keep(&self, guest_leaf: u32, host: &Node, lanes: u32) -> u32 {
+        let last_face = self.question.kept.last_face();
         let may_be_kept =
-            |packets: &Packets<'_>, leaf: u32| packets.leaf(leaf).faces.iter().any(|&face| face <= self.last_face);
+            |packets: &Packets<'_>, leaf: u32| packets.leaf(leaf).faces.iter().any(|&face| face <= last_face);
         if self.question.sides == Sides::SECOND_HOSTS {
             return if may_be_kept(&self.guest_packets, guest_leaf) { lanes } else { 0 };
         }
@@ -262,17 +246,26 @@ impl LeafPairs<'_> {
         }
         let kept = self.question.wanted.kept;
         if self.found.len() / 2 > kept.max(HALF_MIN_TRIM_LENGTH) {
-            keep_smallest(&mut self.found, kept);
-            if self.found.len() == kept {
-                self.last_face = self.found.iter().map(|pair| pair[0]).max().unwrap_or(u32::MAX);
-            }
+            self.question.kept.trim(&mut self.found, kept);
+        }
+        self.work += 1;
+        if self.work >= WORK_PER_BUDGET_CHECK {
+            self.check_budget()?;
         }
         // The pairs that one call adds, and those that it decides.
         let few = LANES + 2 * MAX_UNDECIDED_PAIRS;
-        if self.found.len() > HALF_MIN_TRIM_LENGTH && !self.budget.reserve(&mut self.found, few) {
+        if self.found.len() > HALF_MIN_TRIM_LENGTH && !self.question.budget.reserve(&mut self.found, few) {
             return ControlFlow::Break(());
         }
         self.continue_or_stop(MAX_UNDECIDED_PAIRS)
+    }
+
+    /// Breaks if the budget ends the search.
+    #[cold]
+    fn check_budget(&mut self) -> ControlFlow<()> {
+        self.work = 0;
+        self.is_stopped = self.question.budget.is_spent();
+        if self.is_stopped { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     /// Decides the queued pairs if there are more than `max_undecided` of them. Returns
@@ -310,9 +303,10 @@ impl LeafPairs<'_> {
 
     /// Decides exactly whether two faces, of the first mesh and of the second, intersect.
     #[cold]
-    fn decide(&self, [face_a, face_b]: [u32; 2]) -> bool {
+    fn decide(&mut self, [face_a, face_b]: [u32; 2]) -> bool {
         let Question { host, guest, placement, sides, .. } = self.question;
         let [a, b] = sides.first_second([host, guest]);
+        self.work += WORK_OF_DECISION;
         triangles_intersect(placement, &a.corners(face_a), &b.corners(face_b))
     }
 }
@@ -323,7 +317,7 @@ impl LeafVisitor for LeafPairs<'_> {
         let Question { relation, back, .. } = self.question;
         let bounds = self.guests.load(simd, guest_leaf, &self.guest_packets, relation, back);
         let mut near = lanes & overlapping(simd, (&load3(simd, &host.min), &load3(simd, &host.max)), &bounds);
-        if self.last_face < u32::MAX {
+        if self.question.kept.last_face() < u32::MAX {
             near = self.lanes_to_keep(guest_leaf, host, near);
         }
         let guest = self.guests.add_pending(near.count_ones());
@@ -396,13 +390,5 @@ impl LeafVisitor for LeafPairs<'_> {
     #[inline(always)]
     fn prefetch_guest(&self, leaf: u32) {
         self.guest_packets.prefetch(leaf);
-    }
-}
-
-/// Removes all but the `kept` smallest pairs, which are left in no particular order.
-pub(super) fn keep_smallest(pairs: &mut Vec<[u32; 2]>, kept: usize) {
-    if pairs.len() > kept {
-        pairs.select_nth_unstable(kept);
-        pairs.truncate(kept);
     }
 }

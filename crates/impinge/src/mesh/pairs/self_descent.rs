@@ -12,6 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
+use super::crowd;
 use super::hubs::Hubs;
 use crate::budget::Budget;
 use crate::exact::{Corners, Placement, intersect_beyond_shared};
@@ -37,7 +38,7 @@ struct Lane {
 
 /// Number of tasks between two checks of the budget. A task compares at most 8 x 8 faces, so
 /// these take less than a millisecond.
-const TASKS_PER_INTERRUPT_CHECK: usize = 1 << 6;
+const TASKS_PER_BUDGET_CHECK: usize = 1 << 6;
 
 /// Number of tasks per thread into which the upper levels are split before threads share them.
 const TASKS_PER_THREAD: usize = 64;
@@ -46,6 +47,14 @@ const TASKS_PER_THREAD: usize = 64;
 /// meshes need about ten. If it is smaller, hubs are looked for in more meshes without any; if it
 /// is larger, more time is lost in meshes with hubs.
 const MAX_DECISIONS_PER_FACE: usize = 32;
+
+/// Maximum number of exactly decided pairs per face, without those that intersect, before the
+/// descent gives way to cells of space. If it is smaller, more meshes are divided without need; if
+/// it is larger, more time is lost before needles are.
+const MAX_MISSES_PER_FACE: usize = 128;
+
+/// Number of pairs of faces between two checks of the budget.
+const PAIRS_PER_BUDGET_CHECK: usize = 1 << 9;
 
 /// Faces whose pairs are wanted.
 #[derive(Clone, Copy)]
@@ -65,38 +74,35 @@ pub(crate) fn collect_self_intersecting(mesh: &Mesh, wanted: WantedFaces<'_>, bu
         return found;
     }
     let hubs = Hubs::of(mesh);
-    let mut found = descend(mesh, wanted, Some(&hubs), budget).unwrap_or_default();
+    let mut found =
+        descend(mesh, wanted, Some(&hubs), budget).unwrap_or_else(|| compare_in_cells(mesh, wanted, &hubs, budget));
     if budget.is_spent() {
         return found;
     }
     let one_place = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
-    let at_hubs = hubs
-        .collect(mesh, |[one, other]| intersect_beyond_shared(&one_place, &mesh.corners(one), &mesh.corners(other)));
+    let at_hubs = hubs.collect(mesh, budget, |[one, other]| {
+        intersect_beyond_shared(&one_place, &mesh.corners(one), &mesh.corners(other))
+    });
     found.extend(at_hubs.into_iter().filter(|&[one, other]| wanted.includes(one) || wanted.includes(other)));
     found
 }
 
-/// Returns the pairs, without those of faces that share a hub. If `hubs` is `None`, it stops and
-/// returns `None` once it has decided many more pairs than most meshes without hubs need.
+/// Returns the pairs, without those of faces that share a hub. It stops and returns `None` once it
+/// has decided many more pairs than most meshes need: all pairs if `hubs` is `None`, else those
+/// that do not intersect.
 fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>, budget: &Budget<'_>) -> Option<Vec<[u32; 2]>> {
     let has_wanted = wanted.nodes_with(mesh);
-    let decided = AtomicUsize::new(0);
-    let max_decided = if hubs.is_some() { usize::MAX } else { MAX_DECISIONS_PER_FACE * mesh.faces().len() };
-    let worker = || Worker {
-        mesh,
-        nodes: mesh.0.tree.nodes(),
-        wanted,
-        has_wanted: &has_wanted,
-        hubs,
-        one_place: Placement::new(&Pose::IDENTITY, &Pose::IDENTITY),
-        budget,
-        found: Vec::new(),
-        decided: 0,
-    };
+    let counted = AtomicUsize::new(0);
+    let max_per_face = if hubs.is_some() { MAX_MISSES_PER_FACE } else { MAX_DECISIONS_PER_FACE };
+    let max_counted = max_per_face * mesh.faces().len();
+    let worker = || Worker::new(mesh, wanted, &has_wanted, hubs, budget);
     let mut first = worker();
     let mut tasks: Vec<Task> = (!first.nodes.is_empty()).then_some(Task::Within(Child::Inner(0))).into_iter().collect();
     let enough = TASKS_PER_THREAD * rayon::current_num_threads();
     while !tasks.is_empty() && tasks.len() < enough {
+        if budget.is_spent() {
+            return Some(first.found);
+        }
         for task in std::mem::take(&mut tasks) {
             first.expand(task, &mut tasks);
         }
@@ -108,13 +114,15 @@ fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>, budget: &B
             let mut stack = vec![task];
             let mut expanded = 0_usize;
             while let Some(task) = stack.pop() {
-                if expanded.is_multiple_of(TASKS_PER_INTERRUPT_CHECK) && budget.is_spent() {
+                if expanded.is_multiple_of(TASKS_PER_BUDGET_CHECK) && budget.is_spent() {
                     break;
                 }
+                let found_before = worker.found.len();
                 worker.expand(task, &mut stack);
                 expanded += 1;
-                let more = std::mem::take(&mut worker.decided);
-                if decided.fetch_add(more, Ordering::Relaxed) > max_decided {
+                let decided = std::mem::take(&mut worker.decided);
+                let more = if hubs.is_some() { decided - (worker.found.len() - found_before) } else { decided };
+                if counted.fetch_add(more, Ordering::Relaxed) > max_counted {
                     return None;
                 }
             }
@@ -123,6 +131,32 @@ fn descend(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: Option<&Hubs>, budget: &B
         .collect();
     first.found.extend(shared?.iter().flatten());
     Some(first.found)
+}
+
+/// Returns the pairs, without those of faces that share a hub, by comparing the faces in each cell
+/// of a crowd.
+fn compare_in_cells(mesh: &Mesh, wanted: WantedFaces<'_>, hubs: &Hubs, budget: &Budget<'_>) -> Vec<[u32; 2]> {
+    let lists = crowd::cells(mesh, budget);
+    let found = lists.into_par_iter().flat_map(|list| {
+        let faces: Vec<Face> = list.into_iter().map(|face| Face::new(mesh, face)).collect();
+        let rows_at_once = PAIRS_PER_BUDGET_CHECK.div_ceil(faces.len().max(1));
+        let groups = (0..faces.len().div_ceil(rows_at_once)).into_par_iter().map(move |group| {
+            let mut worker = Worker::new(mesh, wanted, &[], Some(hubs), budget);
+            let rows = group * rows_at_once..((group + 1) * rows_at_once).min(faces.len());
+            if !budget.is_spent() {
+                for row in rows {
+                    faces[row + 1..].iter().for_each(|other| worker.test_faces(&faces[row], other));
+                }
+            }
+            worker.found
+        });
+        groups.flatten()
+    });
+    let mut found: Vec<[u32; 2]> = found.collect();
+    // Faces that intersect may be in several common cells.
+    found.par_sort_unstable();
+    found.dedup();
+    found
 }
 
 impl WantedFaces<'_> {
@@ -177,7 +211,28 @@ struct Face {
     max: [f64; 3],
 }
 
-impl Worker<'_> {
+impl Face {
+    fn new(mesh: &Mesh, number: u32) -> Self {
+        let corners = mesh.corners(number);
+        let [a, b, c] = &corners;
+        let extreme = |pick: fn(f64, f64) -> f64| std::array::from_fn(|k| pick(pick(a[k], b[k]), c[k]));
+        Self { number, corners, min: extreme(f64::min), max: extreme(f64::max) }
+    }
+}
+
+impl<'m> Worker<'m> {
+    fn new(
+        mesh: &'m Mesh,
+        wanted: WantedFaces<'m>,
+        has_wanted: &'m [bool],
+        hubs: Option<&'m Hubs>,
+        budget: &'m Budget<'m>,
+    ) -> Self {
+        let one_place = Placement::new(&Pose::IDENTITY, &Pose::IDENTITY);
+        let nodes = mesh.0.tree.nodes();
+        Self { mesh, nodes, wanted, has_wanted, hubs, one_place, budget, found: Vec::new(), decided: 0 }
+    }
+
     /// Processes a task: appends the tasks below it, or tests its faces. Depth first, at most 64
     /// tasks per level are waiting, as each task adds at most 8 · 8 tasks, all deeper than it.
     fn expand(&mut self, task: Task, below: &mut Vec<Task>) {
@@ -274,13 +329,7 @@ impl Worker<'_> {
 
     /// Returns the faces of a leaf with their boxes.
     fn faces(&self, leaf: u32) -> Vec<Face> {
-        let face = |number| {
-            let corners = self.mesh.corners(number);
-            let [a, b, c] = &corners;
-            let extreme = |pick: fn(f64, f64) -> f64| std::array::from_fn(|k| pick(pick(a[k], b[k]), c[k]));
-            Face { number, corners, min: extreme(f64::min), max: extreme(f64::max) }
-        };
-        self.mesh.leaf_faces(leaf).map(face).collect()
+        self.mesh.leaf_faces(leaf).map(|face| Face::new(self.mesh, face)).collect()
     }
 
     /// Decides whether two faces intersect beyond their shared positions, unless their boxes are

@@ -12,6 +12,7 @@ mod digits;
 mod laws;
 mod moving;
 mod parts;
+mod piles;
 mod real;
 mod triangle_pairs;
 mod validation;
