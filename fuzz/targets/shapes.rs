@@ -3,9 +3,9 @@
 #![no_main]
 
 use arbitrary::{Arbitrary, Unstructured};
-use impinge::{Pose, Shape};
 use impinge::query::{self, Penetrates, Proximity};
 use impinge::sweep::{Motion, time_of_impact};
+use impinge::{Pose, Shape};
 use impinge_fuzz::lattice;
 use libfuzzer_sys::fuzz_target;
 

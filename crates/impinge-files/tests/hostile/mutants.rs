@@ -18,15 +18,58 @@ const REPEATED: usize = PER_BYTE << 20;
 
 /// Words that replace words and numbers of text.
 const WORDS: [&str; 32] = [
-    "nan", "inf", "-inf", "1e308", "-1e308", "1e309", "1e-320", "-1", "0", "99999999999999999999", "4294967295",
-    "4294967296", "2147483648", "", "x", "1.5", "0x10", "-0", "3", "1e5", "\u{FF}", "1/2/3", "//", "+1", "--1", "1e",
-    "18446744073709551615", "null", "true", "[]", "{}", "\"\"",
+    "nan",
+    "inf",
+    "-inf",
+    "1e308",
+    "-1e308",
+    "1e309",
+    "1e-320",
+    "-1",
+    "0",
+    "99999999999999999999",
+    "4294967295",
+    "4294967296",
+    "2147483648",
+    "",
+    "x",
+    "1.5",
+    "0x10",
+    "-0",
+    "3",
+    "1e5",
+    "\u{FF}",
+    "1/2/3",
+    "//",
+    "+1",
+    "--1",
+    "1e",
+    "18446744073709551615",
+    "null",
+    "true",
+    "[]",
+    "{}",
+    "\"\"",
 ];
 
 /// Values that replace four bytes of binary data: counts, and single-precision numbers.
 const VALUES: [u32; 16] = [
-    0, 1, 2, 3, 0xFF, 0xFFFF, 0x1_0000, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF, 0x100_0000, 0x7F80_0000, 0xFF80_0000,
-    0x7FC0_0000, 0x7F7F_FFFF, 0x0000_0080,
+    0,
+    1,
+    2,
+    3,
+    0xFF,
+    0xFFFF,
+    0x1_0000,
+    0x7FFF_FFFF,
+    0x8000_0000,
+    0xFFFF_FFFF,
+    0x100_0000,
+    0x7F80_0000,
+    0xFF80_0000,
+    0x7FC0_0000,
+    0x7F7F_FFFF,
+    0x0000_0080,
 ];
 
 /// Changes one to three words or values, and in one mutant of four also single bytes.
@@ -128,7 +171,8 @@ pub(super) fn mutants_take_little_memory() {
         let (seeds, mut costs) = (seeds(target), Costs::default());
         for at in 0..MUTANTS {
             let bytes = pack(&mutant(&seeds[at % seeds.len()], &mut random));
-            costs.measure(PER_BYTE * bytes.len() + PER_FILE + REPEATED, || impinge_files::parse(&bytes, format).is_ok());
+            costs
+                .measure(PER_BYTE * bytes.len() + PER_FILE + REPEATED, || impinge_files::parse(&bytes, format).is_ok());
             let _ = parse_by_content(&bytes);
         }
         costs.report(target);
