@@ -5,7 +5,6 @@
 
 use std::sync::{Arc, LazyLock};
 
-use impinge::mesh::Options;
 use impinge::storage::AlignedBytes;
 use impinge::{Mesh, Positions, query};
 use impinge_files::{Baked, Provenance, write_baked};
@@ -64,6 +63,6 @@ fuzz_target!(|changes: &[u8]| {
     // A trusted mesh is memory-safe, but its queries may panic or never end.
     let _ = baked.trusted_mesh();
     let Ok(mesh) = baked.mesh() else { return };
-    let _ = query::intersecting_pairs_up_to(&mesh, &mesh, 100, &Options::default());
+    let _ = query::intersecting_pairs_up_to(&mesh, &mesh, 100);
     let _ = baked.proxies(&mesh);
 });

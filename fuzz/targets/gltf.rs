@@ -1,5 +1,5 @@
-//! glTF documents with the buffer `a.bin` beside them: a mesh or an error, within the stated memory.
-//! A document may name any path, but only files of its own folder may be read.
+//! glTF documents with the buffer `a.bin` beside them: a mesh or an error, within the stated
+//! memory. A document may name any path, but only files of its own folder may be read.
 
 #![no_main]
 

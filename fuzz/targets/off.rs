@@ -1,4 +1,5 @@
-//! Bytes as a file of format OFF, text or binary: the result must be a mesh or an error, within the stated memory.
+//! Bytes as a file of format OFF, text or binary: the result must be a mesh or an error,
+//! within the stated memory.
 
 #![no_main]
 

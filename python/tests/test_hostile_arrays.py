@@ -1,4 +1,4 @@
-"""Arrays that no program makes on purpose raise a ValueError or a TypeError, or are read as they are."""
+"""Arrays that no program makes on purpose are read, or raise a ValueError or a TypeError."""
 
 import inspect
 

@@ -62,7 +62,7 @@ pub(crate) fn run(root: &Path, chosen: &[String], seconds: Option<u64>) -> Resul
     Ok(passed)
 }
 
-/// What a run needs, for errors.
+/// Error if Cargo cannot fuzz, with the programs that it needs.
 const NEEDS: &str = "cargo fuzz failed: it needs `rustup toolchain install nightly`, a C++ compiler, and `cargo install \
     cargo-fuzz`";
 

@@ -40,9 +40,9 @@
 //! An invalid file gives a [`LoadError`] that names the place, never a panic. Memory and time stay
 //! within a multiple of the file's size, even if its counts are wrong. Instances of glTF, 3MF and
 //! COLLADA, and the unpacked content of a 3MF or gzip file, may be larger than the file, but are
-//! limited. [`Limits`] has the defaults; [`load_with`] and [`load_rig_with`] take others. Only regular files are
-//! opened: a pipe or a device may never end. A file without triangles is valid and gives an empty
-//! model, unless it has no bytes at all.
+//! limited. [`Limits`] has the defaults; [`load_with`] and [`load_rig_with`] take others. Only
+//! regular files are opened: a pipe or a device may never end. A file without triangles is valid
+//! and gives an empty model, unless it has no bytes at all.
 //!
 //! # Features
 //! - `mmap` (default) opens baked files as memory maps. Without it they are read into memory.
