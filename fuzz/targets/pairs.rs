@@ -60,7 +60,8 @@ fuzz_target!(|scene: Scene| {
     let Scene { meshes: [a, b], poses } = scene;
     let Ok(place_a) = Pose::new(poses[0].linear, poses[0].translation) else { return };
     let Ok(place_b) = Pose::new(poses[1].linear, poses[1].translation) else { return };
-    let engine_mesh = |mesh: &Plain| Mesh::new(Positions::F64(mesh.vertices.clone()), mesh.faces.clone()).expect("legal");
+    let engine_mesh =
+        |mesh: &Plain| Mesh::new(Positions::F64(mesh.vertices.clone()), mesh.faces.clone()).expect("legal");
     let (mesh_a, mesh_b) = (engine_mesh(&a), engine_mesh(&b));
     let (at_a, at_b) = (mesh_a.at(place_a), mesh_b.at(place_b));
     let expected = brute_force(a.at(poses[0]), b.at(poses[1]));

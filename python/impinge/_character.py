@@ -6,7 +6,7 @@ import os
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, final
+from typing import Any, Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,9 @@ from impinge._character_pose import CharacterPose
 from impinge._errors import InputError
 from impinge._scalars import MAX_COUNT, chosen, path_of, real, whole
 from impinge._shape import Shape
+
+_Limited: TypeAlias = tuple[str, int | None, int | None]
+"""The path of a file, its `max_bytes` and its `max_triangles`."""
 
 
 @dataclass(frozen=True)
@@ -117,13 +120,19 @@ class Character:
         Maximum number of faces in a group. If given, the faces of each part are split into groups,
         each with a hull. A ray that enters a volume must then also hit one of the part's hulls, so
         that hits agree with the surface far more often.
+    max_bytes : int, optional
+        Maximum number of bytes of the file, of the content that it unpacks to, of all files that it
+        refers to, and of the plan, each. As for `load`.
+    max_triangles : int, optional
+        Maximum number of triangles, counted over all nodes. As for `load`.
 
     Raises
     ------
     OSError
         If a file cannot be read.
     InputError
-        If the content is invalid or not a rig; the error names the node or the accessor.
+        If the content is invalid or not a rig; the error names the node or the accessor. If a limit
+        is exceeded, `InputError.kind` is ``"too-many"``.
 
     Notes
     -----
@@ -141,7 +150,7 @@ class Character:
         robot.parts[hit.part].name if hit.hit else None    # "head"
     """
 
-    __slots__ = ("_animations", "_core", "_parts", "_path", "_pieces")
+    __slots__ = ("_animations", "_core", "_file", "_parts", "_pieces")
 
     def __init__(
         self,
@@ -151,12 +160,21 @@ class Character:
         mode: Literal["conservative", "snug"] = "conservative",
         plan: str | os.PathLike[str] | None = None,
         pieces: int | None = None,
+        max_bytes: int | None = None,
+        max_triangles: int | None = None,
     ) -> None:
-        self._open(path, (whole(volumes, "volumes", minimum=1), mode, plan, None, pieces))
+        file = _limited(path, max_bytes, max_triangles)
+        self._open(file, (whole(volumes, "volumes", minimum=1), mode, plan, None, pieces))
 
     @classmethod
     def load(
-        cls, path: str | os.PathLike[str], fitted: str | os.PathLike[str], *, pieces: int | None = None
+        cls,
+        path: str | os.PathLike[str],
+        fitted: str | os.PathLike[str],
+        *,
+        pieces: int | None = None,
+        max_bytes: int | None = None,
+        max_triangles: int | None = None,
     ) -> Character:
         """Return a character with the volumes that `save` wrote, bitwise equal, without fitting.
 
@@ -166,8 +184,8 @@ class Character:
             The rigged file.
         fitted : str or os.PathLike
             A file that `save` wrote, perhaps edited.
-        pieces : int, optional
-            As for `Character`.
+        pieces, max_bytes, max_triangles : int, optional
+            As for `Character`. `max_bytes` also limits `fitted`.
 
         Raises
         ------
@@ -177,19 +195,19 @@ class Character:
             If the content is invalid, or refers to bones that the rig does not have.
         """
         character = cls.__new__(cls)
-        character._open(path, (1, "conservative", None, fitted, pieces))
+        character._open(_limited(path, max_bytes, max_triangles), (1, "conservative", None, fitted, pieces))
         return character
 
-    def _open(self, path: str | os.PathLike[str], options: tuple[Any, ...]) -> None:
+    def _open(self, file: _Limited, options: tuple[Any, ...]) -> None:
         volumes, mode, plan, fitted, pieces = options
         chosen(mode, ("conservative", "snug"), "mode")
-        path, pieces = path_of(path, "path"), None if pieces is None else whole(pieces, "pieces", minimum=1)
+        pieces = None if pieces is None else whole(pieces, "pieces", minimum=1)
         plan = None if plan is None else path_of(plan, "plan")
         fitted = None if fitted is None else path_of(fitted, "fitted")
-        self._take(_impinge.CharacterCore(path, volumes, mode, plan, fitted, pieces), path, pieces)
+        self._take(_impinge.CharacterCore(file, volumes, mode, plan, fitted, pieces), file, pieces)
 
-    def _take(self, core: _impinge.CharacterCore, path: str, pieces: int | None) -> None:
-        self._core, self._path, self._pieces = core, path, pieces
+    def _take(self, core: _impinge.CharacterCore, file: _Limited, pieces: int | None) -> None:
+        self._core, self._file, self._pieces = core, file, pieces
         self._animations = tuple(Animation(*animation) for animation in self._core.animations())
         bones = self._core.bones()
         self._parts = tuple(
@@ -298,7 +316,7 @@ class Character:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle the path of the file, and the volumes."""
-        return _reopened, (self._path, self._core.text(), self._pieces, self._fingerprint())
+        return _reopened, (self._file, self._core.text(), self._pieces, self._fingerprint())
 
     def _number(self, animation: str | int) -> int:
         names = [known.name for known in self._animations]
@@ -313,14 +331,21 @@ class Character:
 
     def __repr__(self) -> str:
         """Return the file and the numbers of parts and animations."""
-        return f"Character({self._path!r}, {len(self._parts)} parts, {len(self._animations)} animations)"
+        return f"Character({self._file[0]!r}, {len(self._parts)} parts, {len(self._animations)} animations)"
 
 
-def _reopened(path: str, text: str, pieces: int | None, fingerprint: int) -> Character:
+def _limited(path: str | os.PathLike[str], max_bytes: int | None, max_triangles: int | None) -> _Limited:
+    """Return the path of a file with its valid limits."""
+    limits = (("max_bytes", max_bytes), ("max_triangles", max_triangles))
+    bytes_, triangles = (None if limit is None else whole(limit, name) for name, limit in limits)
+    return path_of(path, "path"), bytes_, triangles
+
+
+def _reopened(file: _Limited, text: str, pieces: int | None, fingerprint: int) -> Character:
     """Return the character that was pickled."""
     character = Character.__new__(Character)
-    character._take(_impinge.CharacterCore.reopened(path, text, pieces), path, pieces)
+    character._take(_impinge.CharacterCore.reopened(file, text, pieces), file, pieces)
     if character._fingerprint() != fingerprint:
         message = "the file has changed since the character was pickled"
-        raise InputError(message, kind="changed", what=path, hint="load the file and pickle the character again")
+        raise InputError(message, kind="changed", what=file[0], hint="load the file and pickle the character again")
     return character

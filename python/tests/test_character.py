@@ -210,6 +210,30 @@ def test_part_bodies_collide_as_their_shapes_do(options):
     assert again[1].part(world.bodies).tolist() == crowd[1].part(world.bodies).tolist()
 
 
+def test_limits_are_respected_and_pickled(robot, tmp_path):
+    size, triangles = ROBOT.stat().st_size, len(robot.faces)
+    limited = impinge.Character(ROBOT, max_bytes=size, max_triangles=triangles)
+    assert len(pickle.loads(pickle.dumps(limited)).parts) == len(robot.parts)
+    saved = tmp_path / "parts.toml"
+    robot.save(saved)
+    text = saved.stat().st_size
+    assert impinge.Character.load(ROBOT, saved, max_bytes=size).parts
+    for make in (impinge.Character, lambda path, **limits: impinge.Character.load(path, saved, **limits)):
+        with pytest.raises(impinge.InputError, match="larger max_bytes") as caught:
+            make(ROBOT, max_bytes=size - 1)
+        assert (caught.value.kind, caught.value.what) == ("too-many", str(ROBOT))
+        with pytest.raises(impinge.InputError, match="larger max_triangles"):
+            make(ROBOT, max_triangles=triangles - 1)
+        with pytest.raises(impinge.InputError, match="max_triangles"):
+            make(ROBOT, max_triangles=-1)
+    # The plan counts as a file of its own.
+    assert text < size
+    saved.write_text(saved.read_text() + "#" * (size - text + 1))
+    with pytest.raises(impinge.InputError, match="larger max_bytes") as caught:
+        impinge.Character(ROBOT, plan=saved, max_bytes=size)
+    assert caught.value.what == str(saved)
+
+
 @pytest.mark.parametrize("kind", ["sphere", "capsule", "box", "lozenge", "hull"])
 def test_part_bodies_have_the_poses_of_the_volumes(kind, robot, tmp_path):
     robot.save(tmp_path / "parts.toml")

@@ -1,6 +1,6 @@
 //! The chores of the workspace, each a command of `cargo xtask`: checks (`layers`, `file-length`,
 //! `prose`), tests (`quick`, `test`), benchmarks and their page (`bench`, `performance`), the
-//! documentation site (`docs`), and `demo`.
+//! documentation site (`docs`), fuzzing (`fuzz`), and `demo`.
 #![allow(clippy::print_stdout, reason = "a chore reports to the terminal")]
 
 mod bench;
@@ -9,6 +9,7 @@ mod demo;
 mod docs;
 mod environment;
 mod file_length;
+mod fuzz;
 mod layers;
 mod performance;
 mod prose;
@@ -74,6 +75,17 @@ enum Chore {
         #[arg(long)]
         check: bool,
     },
+    /// Run fuzz targets, record their executions in fuzz/record.csv, and print its totals.
+    Fuzz {
+        /// Targets of fuzz/targets. By default all run.
+        targets: Vec<String>,
+        /// Time for all targets together, in seconds. Without a time, only the totals are printed.
+        #[arg(long, conflicts_with = "hours")]
+        seconds: Option<u64>,
+        /// Time for all targets together, in hours.
+        #[arg(long)]
+        hours: Option<u64>,
+    },
     /// Build the documentation site into target/site, and fail on any warning.
     Docs,
     /// Check a human of 26,756 triangles against a torus knot of 2,000,000.
@@ -109,6 +121,9 @@ fn main() -> Result<ExitCode> {
         }
         Chore::Quick { room } => quick::run(root, room.as_deref())?,
         Chore::Test => test_run::run(root)?,
+        Chore::Fuzz { targets, seconds, hours } => {
+            fuzz::run(root, &targets, seconds.or(hours.map(|hours| 3600 * hours)))?
+        }
         Chore::Docs => docs::build(root)?,
         Chore::Demo => demo::run(root)?,
     };

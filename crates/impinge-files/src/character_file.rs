@@ -133,8 +133,17 @@ fn by_name(rig: &Rig, bones: impl Iterator<Item = u32>) -> HashMap<&str, Option<
 /// Returns an error if the file cannot be read, is not valid TOML of this form, or names a bone or
 /// a kind of volume that does not exist.
 pub fn load_plan(path: impl AsRef<Path>, rig: &Rig) -> Result<Plan, LoadError> {
+    load_plan_with(path, rig, &Limits::default())
+}
+
+/// Loads a plan, as [`load_plan`] does, from a file of at most
+/// [`max_bytes`](Limits::max_bytes).
+///
+/// # Errors
+/// Returns an error as [`load_plan`] does, with this limit.
+pub fn load_plan_with(path: impl AsRef<Path>, rig: &Rig, limits: &Limits) -> Result<Plan, LoadError> {
     let path = path.as_ref();
-    let text = read_text(path)?;
+    let text = read_text(path, limits)?;
     parse_plan(&text, rig).map_err(|e| e.in_file(path))
 }
 
@@ -155,8 +164,17 @@ pub fn parse_plan(text: &str, rig: &Rig) -> Result<Plan, LoadError> {
 /// Returns an error as [`load_plan`] does, and if a part has no volume or the numbers of its volume
 /// are invalid.
 pub fn load_character(path: impl AsRef<Path>, rig: &Rig) -> Result<Character, LoadError> {
+    load_character_with(path, rig, &Limits::default())
+}
+
+/// Loads a saved character, as [`load_character`] does, from a file of at most
+/// [`max_bytes`](Limits::max_bytes).
+///
+/// # Errors
+/// Returns an error as [`load_character`] does, with this limit.
+pub fn load_character_with(path: impl AsRef<Path>, rig: &Rig, limits: &Limits) -> Result<Character, LoadError> {
     let path = path.as_ref();
-    let text = read_text(path)?;
+    let text = read_text(path, limits)?;
     parse_character(&text, rig).map_err(|e| e.in_file(path))
 }
 
@@ -176,8 +194,8 @@ pub fn parse_character(text: &str, rig: &Rig) -> Result<Character, LoadError> {
     Character::of_parts(rig, parts).map_err(|e| LoadError::syntax("parts of this rig", e.to_string().as_bytes()))
 }
 
-fn read_text(path: &Path) -> Result<String, LoadError> {
-    let bytes = read_regular_file(path, &Limits::default())?;
+fn read_text(path: &Path, limits: &Limits) -> Result<String, LoadError> {
+    let bytes = read_regular_file(path, limits)?;
     String::from_utf8(bytes).map_err(|e| LoadError::syntax("UTF-8 text", e.to_string().as_bytes()).in_file(path))
 }
 

@@ -40,9 +40,9 @@
 //! An invalid file gives a [`LoadError`] that names the place, never a panic. Memory and time stay
 //! within a multiple of the file's size, even if its counts are wrong. Instances of glTF, 3MF and
 //! COLLADA, and the unpacked content of a 3MF or gzip file, may be larger than the file, but are
-//! limited. [`Limits`] has the defaults, and [`load_with`] takes others. Only regular files are
-//! opened: a pipe or a device may never end. A file without triangles is valid and gives an empty
-//! model, unless it has no bytes at all.
+//! limited. [`Limits`] has the defaults; [`load_with`] and [`load_rig_with`] take others. Only
+//! regular files are opened: a pipe or a device may never end. A file without triangles is valid
+//! and gives an empty model, unless it has no bytes at all.
 //!
 //! # Features
 //! - `mmap` (default) opens baked files as memory maps. Without it they are read into memory.
@@ -82,7 +82,9 @@ mod xml;
 use std::path::Path;
 
 pub use baked::{Baked, Provenance, write_baked};
-pub use character_file::{character_text, load_character, load_plan, parse_character, parse_plan};
+pub use character_file::{
+    character_text, load_character, load_character_with, load_plan, load_plan_with, parse_character, parse_plan,
+};
 pub use error::{LoadError, LoadErrorKind, Place};
 pub use format::Format;
 pub use limits::Limits;
@@ -167,10 +169,18 @@ impl Named {
 /// [`BrokenRig`](LoadErrorKind::BrokenRig), which names the node or the accessor, if the character
 /// cannot be animated.
 pub fn load_rig(path: impl AsRef<Path>) -> Result<Rig, LoadError> {
+    load_rig_with(path, &Limits::default())
+}
+
+/// Loads a rigged character, as [`load_rig`] does, within other limits.
+///
+/// # Errors
+/// Returns an error as [`load_rig`] does, with these limits.
+pub fn load_rig_with(path: impl AsRef<Path>, limits: &Limits) -> Result<Rig, LoadError> {
     let path = path.as_ref();
     let read = || {
-        let bytes = read_regular_file(path, &Limits::default())?;
-        read_rig(&bytes, path.parent())
+        let bytes = read_regular_file(path, limits)?;
+        read_rig(&bytes, path.parent(), limits)
     };
     read().map_err(|e| e.in_file(path))
 }
@@ -181,14 +191,23 @@ pub fn load_rig(path: impl AsRef<Path>) -> Result<Rig, LoadError> {
 /// # Errors
 /// Returns an error as [`load_rig`] does; the path of the error is empty.
 pub fn parse_rig(bytes: &[u8]) -> Result<Rig, LoadError> {
-    read_rig(bytes, None)
+    parse_rig_with(bytes, &Limits::default())
 }
 
-fn read_rig(bytes: &[u8], folder: Option<&Path>) -> Result<Rig, LoadError> {
-    let unpacked = unpack(bytes, &Limits::default(), &mut Warnings::default())?;
+/// Reads the rigged character from the bytes of a file, as [`parse_rig`] does, within other limits.
+///
+/// # Errors
+/// Returns an error as [`load_rig_with`] does; the path of the error is empty.
+pub fn parse_rig_with(bytes: &[u8], limits: &Limits) -> Result<Rig, LoadError> {
+    read_rig(bytes, None, limits)
+}
+
+fn read_rig(bytes: &[u8], folder: Option<&Path>, limits: &Limits) -> Result<Rig, LoadError> {
+    limits.check_bytes(OF_FILE, bytes.len() as u64)?;
+    let unpacked = unpack(bytes, limits, &mut Warnings::default())?;
     let bytes = unpacked.as_deref().unwrap_or(bytes);
     match Format::of_content(bytes).unwrap_or(Format::Gltf) {
-        format @ (Format::Gltf | Format::Glb) => gltf::rig::read(bytes, format, folder),
+        format @ (Format::Gltf | Format::Glb) => gltf::rig::read(bytes, format, folder, limits),
         other => Err(LoadError::unsupported(format!("a rig in a file of format {other}"))),
     }
 }

@@ -137,11 +137,6 @@ impl Budget {
         }
     }
 
-    /// Returns the same budget for a file that is read without [`Limits`].
-    pub(crate) fn without_limits(self) -> Self {
-        Self { hint: "counted over all instances and animations; store less in one file", ..self }
-    }
-
     /// Returns an error if `count` exceeds the budget; `what` names the items.
     pub(crate) fn check(self, what: &'static str, count: u64) -> Result<(), LoadError> {
         if count <= self.max {

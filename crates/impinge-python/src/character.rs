@@ -4,7 +4,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use impinge::character::{Character, HitVolume, Mode, Plan, Rig, RigError};
-use impinge_files::{LoadError, character_text, load_character, load_plan, load_rig, parse_character};
+use impinge_files::{
+    Limits, LoadError, character_text, load_character_with, load_plan_with, load_rig_with, parse_character,
+};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, row_array};
@@ -53,6 +55,9 @@ impl Refusal {
 /// kind and looseness of its volume, and the points whose hull is swept by a sphere of a radius.
 type Row = (String, Vec<u32>, u32, &'static str, f64, Vec<[f64; 3]>, f64);
 
+/// A file, its `max_bytes` and its `max_triangles`.
+type Limited = (PathBuf, Option<u64>, Option<u64>);
+
 /// A part as an argument of the constructor of shapes: kind, points and numbers.
 type ShapeRow<'py> = (&'static str, Bound<'py, PyAny>, Vec<f64>);
 
@@ -62,10 +67,10 @@ impl CharacterCore {
     /// plan, or read from a file of fitted volumes. If `pieces` is given, volumes are refined into
     /// hulls of at most that number of faces.
     #[new]
-    #[pyo3(signature = (path, volumes, mode, plan, fitted, pieces))]
+    #[pyo3(signature = (file, volumes, mode, plan, fitted, pieces))]
     fn new(
         py: Python<'_>,
-        path: PathBuf,
+        file: Limited,
         volumes: usize,
         mode: &str,
         plan: Option<PathBuf>,
@@ -80,12 +85,13 @@ impl CharacterCore {
                 return Err(Fault::new("option", "mode", message).raised(py));
             }
         };
-        Self::made(py, path, pieces, move |rig| match fitted {
-            Some(fitted) => Ok(load_character(fitted, rig)?),
+        let limits = limits_of(&file);
+        Self::made(py, file, pieces, move |rig| match fitted {
+            Some(fitted) => Ok(load_character_with(fitted, rig, &limits)?),
             None => {
                 let plan = plan.map_or_else(
                     || Plan::automatic(rig, volumes).map_err(Refusal::from),
-                    |plan| Ok(load_plan(plan, rig)?),
+                    |plan| Ok(load_plan_with(plan, rig, &limits)?),
                 )?;
                 Ok(Character::fit(rig, &plan, mode)?)
             }
@@ -94,8 +100,8 @@ impl CharacterCore {
 
     /// Loads a rigged file, with the volumes in the text that `text` returned.
     #[staticmethod]
-    fn reopened(py: Python<'_>, path: PathBuf, text: String, pieces: Option<usize>) -> PyResult<Self> {
-        Self::made(py, path, pieces, move |rig| Ok(parse_character(&text, rig)?))
+    fn reopened(py: Python<'_>, file: Limited, text: String, pieces: Option<usize>) -> PyResult<Self> {
+        Self::made(py, file, pieces, move |rig| Ok(parse_character(&text, rig)?))
     }
 
     /// Returns name, start and end in seconds of each animation.
@@ -173,13 +179,15 @@ impl CharacterCore {
     /// Loads a rigged file, with volumes that `fit` makes.
     fn made(
         py: Python<'_>,
-        path: PathBuf,
+        file: Limited,
         pieces: Option<usize>,
         fit: impl FnOnce(&Rig) -> Result<Character, Refusal> + Send + 'static,
     ) -> PyResult<Self> {
+        let limits = limits_of(&file);
+        let (path, ..) = file;
         let named = path.display().to_string();
         let made = workers::run(py, move |_| -> Result<Fitted, Refusal> {
-            let rig = load_rig(&path)?;
+            let rig = load_rig_with(&path, &limits)?;
             let mut character = fit(&rig)?;
             if let Some(faces) = pieces {
                 character.refine(&rig, faces)?;
@@ -188,6 +196,13 @@ impl CharacterCore {
         })?;
         Ok(Self(Arc::new(made.map_err(|refusal| refusal.raised(py, &named))?)))
     }
+}
+
+/// Returns the limits on the content of a file.
+fn limits_of(&(_, max_bytes, max_triangles): &Limited) -> Limits {
+    let mut limits = Limits::default();
+    (limits.max_bytes, limits.max_triangles) = (max_bytes, max_triangles);
+    limits
 }
 
 /// Returns the points whose hull is swept by the sphere of a volume, and the radius of the sphere.

@@ -3,6 +3,7 @@
 //!
 //! There is only one test, because it measures the memory of the whole process.
 
+mod mutants;
 mod repetition;
 
 use std::io::Write;
@@ -246,6 +247,7 @@ fn invalid_files_are_errors_and_take_little_memory() {
         }
     }
     dense_files();
+    mutants::mutants_take_little_memory();
     repetition::repeated_content_is_counted_before_it_is_read();
     repetition::names_and_references_are_looked_up_once();
 }

@@ -3,7 +3,11 @@
 
 use std::{fs, io::Write};
 
-use impinge_files::{Format, Limits, LoadErrorKind, load_with, parse_with};
+use impinge::character::{Character, Mode, Plan, Rig};
+use impinge_files::{
+    Format, Limits, LoadErrorKind, character_text, load_character_with, load_plan_with, load_rig_with, load_with,
+    parse_rig_with, parse_with,
+};
 
 fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
@@ -124,4 +128,40 @@ fn buffers_of_gltf_files_count_as_bytes() {
     let error = load_with(&path, &Limits::default().with_max_bytes(399)).unwrap_err();
     let expected = LoadErrorKind::TooMany { what: "bytes of buffers", count: 400, limit: 399 };
     assert_eq!((error.kind(), error.path()), (&expected, path.as_path()));
+}
+
+#[test]
+fn rigs_and_saved_characters_respect_the_limits() {
+    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/robot.glb");
+    let size = fs::metadata(&data).unwrap().len();
+    let limits = Limits::default();
+    let kind = |result: Result<_, impinge_files::LoadError>| result.map(|_: Rig| ()).unwrap_err().kind().clone();
+    assert_eq!(
+        kind(load_rig_with(&data, &limits.with_max_bytes(size - 1))),
+        LoadErrorKind::TooMany { what: "bytes of the file", count: size, limit: size - 1 }
+    );
+    assert_eq!(
+        kind(parse_rig_with(&fs::read(&data).unwrap(), &limits.with_max_bytes(size - 1))),
+        LoadErrorKind::TooMany { what: "bytes of the file", count: size, limit: size - 1 }
+    );
+    let rig = load_rig_with(&data, &limits.with_max_bytes(size)).unwrap();
+    let triangles = rig.skin().faces().len() as u64;
+    assert_eq!(
+        load_rig_with(&data, &limits.with_max_triangles(triangles)).unwrap().skin().faces().len() as u64,
+        triangles
+    );
+    assert!(matches!(
+        kind(load_rig_with(&data, &limits.with_max_triangles(triangles - 1))),
+        LoadErrorKind::TooMany { what: "triangles", limit, .. } if limit == triangles - 1
+    ));
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("parts.toml");
+    let character = Character::fit(&rig, &Plan::automatic(&rig, 2).unwrap(), Mode::Snug).unwrap();
+    let text = character_text(&rig, &character);
+    fs::write(&path, &text).unwrap();
+    let (enough, few) = (limits.with_max_bytes(text.len() as u64), limits.with_max_bytes(text.len() as u64 - 1));
+    assert!(load_character_with(&path, &rig, &enough).is_ok() && load_plan_with(&path, &rig, &enough).is_ok());
+    assert_eq!(load_character_with(&path, &rig, &few).unwrap_err().kind().name(), "too-many");
+    assert_eq!(load_plan_with(&path, &rig, &few).unwrap_err().kind().name(), "too-many");
 }

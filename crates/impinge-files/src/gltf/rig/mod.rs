@@ -36,7 +36,7 @@ use document::{RigDocument, RigMesh, RigPrimitive};
 use transform::transform;
 
 /// Reads the rig of a document. External buffers must lie in `folder`; `None` reads none.
-pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Rig, LoadError> {
+pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>, limits: &Limits) -> Result<Rig, LoadError> {
     let mut warnings = crate::model::Warnings::default();
     let (json, chunk) = match format {
         Format::Glb => container::split(bytes, &mut warnings)?,
@@ -50,11 +50,10 @@ pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Resul
         let error = LoadErrorKind::Syntax { expected: "a rigged glTF document".into(), found: e.to_string() };
         LoadError::new(error).at(Place::Entry(format!("line {} column {}", e.line(), e.column())))
     })?;
-    let limits = Limits::default();
-    let buffers = Buffers::load(&document.buffers, chunk, folder, &limits)?;
+    let buffers = Buffers::load(&document.buffers, chunk, folder, limits)?;
     let source = Source { document: &document, buffers: &buffers, json_len: json.len() as u64 };
     let len = bytes.len() as u64 + buffers.total_len();
-    let instances = scene::instances(&document, &mut warnings, Budget::for_nodes(len, &limits).without_limits())?;
+    let instances = scene::instances(&document, &mut warnings, Budget::for_nodes(len, limits))?;
     // A bone has exactly one parent.
     if let Some(shared) = warnings.into_vec().into_iter().find(|w| w.kind == WarningKind::SharedNodes) {
         let error = LoadError::syntax("nodes with one parent each", b"one that is reached twice");
@@ -63,8 +62,7 @@ pub(crate) fn read(bytes: &[u8], format: Format, folder: Option<&Path>) -> Resul
             None => error,
         });
     }
-    let budget = Budget::for_bytes(len, &limits).without_limits();
-    let mut reader = RigReader::new(source, &extra, budget);
+    let mut reader = RigReader::new(source, &extra, len, limits);
     for instance in &instances {
         reader.instance(instance)?;
     }
@@ -123,11 +121,12 @@ struct RigReader<'a> {
 }
 
 impl<'a> RigReader<'a> {
-    fn new(source: Source<'a>, extra: &'a RigDocument, budget: Budget) -> Self {
+    /// Returns a reader without anything read yet. The file and its buffers have `len` bytes.
+    fn new(source: Source<'a>, extra: &'a RigDocument, len: u64, limits: &Limits) -> Self {
         Self {
-            reader: Reader { source, positions: Vec::new(), parts: Vec::new(), faces: Faces::default() },
+            reader: Reader { source, positions: Vec::new(), parts: Vec::new(), faces: Faces::new(limits) },
             extra,
-            budget,
+            budget: Budget::for_bytes(len, limits),
             stored: 0,
             positions: Vec::new(),
             influences: Vec::new(),
