@@ -7,21 +7,26 @@
 //! The proofs are in docs/notes/proof.md, L23 to L25. The tests are in `tests/it/sweep`, and the
 //! benchmark is `ccd` in `impinge-bench`.
 
+mod ask;
 mod batch;
+mod body;
 mod deforming;
 mod exact;
 mod floats;
 mod impact;
+mod interval;
 mod linear;
 mod motion;
+mod piece;
 mod polynomials;
-mod rigid;
+mod search;
 mod span;
 mod time_of_impact;
 
+pub use ask::Sweep;
 pub use batch::times_of_impact;
 pub use deforming::{Deforming, Features, SweptContact};
-pub use impact::Impact;
+pub use impact::{Impact, Touch};
 pub use linear::{edge_edge, vertex_face};
 pub use motion::Motion;
 pub use time_of_impact::time_of_impact;
