@@ -96,7 +96,10 @@ impl<'m> Body<'m> {
         };
         // The boxes of round parts hold their radius, and so do the images of the boxes.
         let index = self.push_box(parts[0], Content::Group, box_between(min, max));
-        self.pieces[index as usize].children = children;
+        let reaches = children.iter().map(|&child| &self.pieces[child as usize]);
+        let reach = reaches.map(|piece| piece.reach.swept(piece.radius)).reduce(AxisReach::union);
+        let group = &mut self.pieces[index as usize];
+        (group.reach, group.children) = (reach.unwrap_or_default().intersection(group.reach), children);
         index
     }
 
@@ -113,14 +116,17 @@ impl<'m> Body<'m> {
                 let [min, max] = surface.mesh.local_bounds().unwrap_or_default();
                 let mut volume = self.placed_box(part, &box_between(min, max));
                 volume.slab = self.slab(part, surface.mesh, 0);
-                self.push_box(part, Content::Below(Child::Inner(0)), volume)
+                let index = self.push_box(part, Content::Below(Child::Inner(0)), volume);
+                let mesh = surface.mesh;
+                let corners = mesh.faces().iter().flatten().map(|&vertex| mesh.positions().get(vertex as usize));
+                let reach = AxisReach::of_points(self.motion, corners.map(|corner| surface.pose.apply(corner)));
+                self.bound(index, reach);
+                index
             }
             Form::Convex(swept) => {
                 let place = |point: Vector| swept.pose.apply(point);
                 let reach = match swept.core.corners() {
-                    Some(corners) => {
-                        AxisReach::of_points(self.motion, corners.iter().map(|&p| place(p)).collect::<Vec<_>>().iter())
-                    }
+                    Some(corners) => AxisReach::of_points(self.motion, corners.iter().map(|&corner| place(corner))),
                     None => AxisReach::of_support(self.motion, |direction| {
                         place(farthest(&swept, &self.turned(direction, &self.motion.at(0.0))))
                     }),
@@ -141,6 +147,12 @@ impl<'m> Body<'m> {
     fn push(&mut self, part: u32, content: Content, volume: Volume, reach: AxisReach) -> u32 {
         self.pieces.push(Piece { part, content, volume, radius: 0.0, reach, diameter: 0.0, children: vec![] });
         self.pieces.len() as u32 - 1
+    }
+
+    /// Adds a bound on the reach of a piece.
+    fn bound(&mut self, piece: u32, reach: AxisReach) {
+        let piece = &mut self.pieces[piece as usize];
+        piece.reach = piece.reach.intersection(reach);
     }
 
     fn push_box(&mut self, part: u32, content: Content, volume: SlabbedBox) -> u32 {
@@ -171,8 +183,8 @@ impl<'m> Body<'m> {
 
     /// Returns the pieces that a divisible piece is divided into.
     pub(super) fn divide(&mut self, piece: u32) -> Vec<u32> {
-        let Piece { part, content, children, .. } = &self.pieces[piece as usize];
-        let (part, content) = (*part, *content);
+        let Piece { part, content, children, reach, .. } = &self.pieces[piece as usize];
+        let (part, content, all) = (*part, *content, *reach);
         if !children.is_empty() {
             return children.clone();
         }
@@ -197,12 +209,13 @@ impl<'m> Body<'m> {
                 .iter()
                 .map(|&face| {
                     let corners = mesh.corners(face).map(|corner| surface.pose.apply(corner));
-                    let reach = AxisReach::of_points(self.motion, corners.iter());
+                    let reach = AxisReach::of_points(self.motion, corners.into_iter());
                     self.push(part, Content::Face(face), Volume::Triangle(corners), reach)
                 })
                 .collect(),
             Content::Group | Content::Face(_) | Content::Whole => vec![],
         };
+        made.iter().for_each(|&child| self.bound(child, all));
         self.pieces[piece as usize].children.clone_from(&made);
         made
     }

@@ -11,9 +11,10 @@ pub struct Impact {
     /// Upper bound of the time: there is contact no later than it. It is infinite if that is not
     /// proved: contact was disproved, or the limit on the work of one query was reached first.
     pub t_upper: f64,
-    /// Place of the first touch, at the time `t_lower`. Absent if contact is disproved, if the limit
-    /// on the work was reached, or if only corners move ([`vertex_face`](super::vertex_face) and the
-    /// like).
+    /// Place of the first touch, at the time `t_lower`. Absent without contact, if the things touch
+    /// at the start ([`contacts`](crate::query::contacts) has these contacts), if the limit on the
+    /// work was reached, and for [`vertex_face`](super::vertex_face) and
+    /// [`edge_edge`](super::edge_edge).
     pub touch: Option<Touch>,
 }
 

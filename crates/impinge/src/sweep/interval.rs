@@ -9,9 +9,10 @@
 //!
 //! The proof is docs/notes/proof.md, L34. The tests are in `tests/it/sweep`.
 
+use std::cell::Cell;
+
 use super::body::Body;
 use super::piece::{ABOVE, Piece, Volume};
-use super::span::Span;
 use crate::convex::{parting, separation};
 use crate::math::Pose;
 use crate::math::vec3::{Vector, cross, dot, normalized, scale, scaled_length, sub};
@@ -49,8 +50,7 @@ pub(super) enum Verdict {
 }
 
 impl Interval {
-    pub(super) fn new(bodies: &[Body<'_>; 2], span: Span) -> Self {
-        let (low, high) = (span.low(), span.high());
+    pub(super) fn new(bodies: &[Body<'_>; 2], [low, high]: [f64; 2]) -> Self {
         let ends = [Moment::at(bodies, low), Moment::at(bodies, high)];
         Self { ends, middle: Moment::at(bodies, 0.5 * (low + high)), length: high - low }
     }
@@ -71,10 +71,18 @@ impl Interval {
         (scaled_length(&linear) + turning) * self.length * ABOVE + VANISHING
     }
 
-    /// Tries to prove that two pieces are farther apart than `gap` over the whole interval, starting
-    /// with the direction `known`.
-    pub(super) fn classify(&self, bodies: &[Body<'_>; 2], pieces: [&Piece; 2], known: Vector, gap: f64) -> Verdict {
-        let needed = gap + bodies[0].error + bodies[1].error + VANISHING;
+    /// Tries to prove that two pieces are farther apart than a gap over the whole interval, up to
+    /// rounding, starting with the direction `known`.
+    /// Counts the distances that were computed exactly in `exact_distances`.
+    pub(super) fn classify(
+        &self,
+        bodies: &[Body<'_>; 2],
+        pieces: [&Piece; 2],
+        known: Vector,
+        gap: f64,
+        exact_distances: &Cell<u64>,
+    ) -> Verdict {
+        let needed = gap + VANISHING;
         let mut best = Best { gap: f64::NEG_INFINITY, direction: known };
         let mut is_apart = |direction: Vector| {
             let found = self.gap_along(bodies, pieces, &direction);
@@ -105,7 +113,11 @@ impl Interval {
                 let found = parting(a, b);
                 let is_proved = is_apart(normalized(&found.direction).unwrap_or(known));
                 let enough = needed + approach;
-                is_proved || found.lower > enough || found.upper > enough && separation(a, b).lower > enough
+                if is_proved || found.lower > enough || found.upper <= enough {
+                    return is_proved || found.lower > enough;
+                }
+                exact_distances.set(exact_distances.get() + 1);
+                separation(a, b).lower > enough
             })
         });
         if found.flatten() == Some(true) { Verdict::Apart } else { best.verdict(needed) }
@@ -128,7 +140,7 @@ impl Interval {
 
     /// Returns upper bounds on the height of a piece along a direction: a convex function of time,
     /// by its values at both ends of the interval. The first bounds the paths of points by their
-    /// chords, the second by circles about the axis.
+    /// chords, the second by circles about the axis and by a sphere about the pivot.
     fn heights(&self, side: usize, body: &Body<'_>, piece: &Piece, direction: &Vector) -> [Option<[f64; 2]>; 2] {
         if let Volume::HalfSpace { normal, base, level } = &piece.volume {
             let linear = body.motion.linear();
@@ -153,7 +165,8 @@ impl Interval {
         let share = dot(direction, &turn.axis);
         let [low, high] = piece.reach.along;
         let level = if share > 0.0 { share * high } else { share * low };
-        let circle = across * piece.reach.across * ABOVE + level + turn.drift * body.reach + piece.radius;
+        let circle = (across * piece.reach.across * ABOVE + level).min(piece.reach.from_pivot * ABOVE);
+        let circle = circle + turn.drift * body.reach + piece.radius;
         let circle = self.ends.each_ref().map(|end| dot(direction, &end.pivots[side]) + circle);
         [Some(chord.map(|height| height + sagitta)), Some(circle)]
     }

@@ -88,22 +88,49 @@ impl SlabbedBox {
 pub(super) struct AxisReach {
     /// Upper bound on the distance of a point of the piece, without its radius, from the axis.
     pub(super) across: f64,
+    /// Upper bound on the distance of such a point from the pivot.
+    pub(super) from_pivot: f64,
     /// Bounds on the product of the axis with the arm of such a point, up to rounding.
     pub(super) along: [f64; 2],
 }
 
 impl AxisReach {
     /// Returns the reach of the hull of some points of the body.
-    pub(super) fn of_points<'p>(motion: &Motion, points: impl Iterator<Item = &'p Vector>) -> Self {
+    pub(super) fn of_points(motion: &Motion, points: impl Iterator<Item = Vector>) -> Self {
         let axis = motion.turn().axis;
-        let (mut across, mut along) = (0.0_f64, [f64::INFINITY, f64::NEG_INFINITY]);
+        let (mut across, mut from_pivot, mut along) = (0.0_f64, 0.0_f64, [f64::INFINITY, f64::NEG_INFINITY]);
         for point in points {
-            let arm = motion.arm(*point);
+            let arm = motion.arm(point);
             across = across.max(scaled_length(&cross(&axis, &arm)));
+            from_pivot = from_pivot.max(scaled_length(&arm));
             let height = dot(&axis, &arm);
             along = [along[0].min(height), along[1].max(height)];
         }
-        Self { across: across * ABOVE, along }
+        Self { across: across * ABOVE, from_pivot: from_pivot * ABOVE, along }
+    }
+
+    /// Returns the reach of two sets together.
+    pub(super) fn union(self, other: Self) -> Self {
+        Self {
+            across: self.across.max(other.across),
+            from_pivot: self.from_pivot.max(other.from_pivot),
+            along: [self.along[0].min(other.along[0]), self.along[1].max(other.along[1])],
+        }
+    }
+
+    /// Returns the reach of the set swept by a sphere.
+    pub(super) fn swept(self, radius: f64) -> Self {
+        let along = [self.along[0] - radius, self.along[1] + radius];
+        Self { across: (self.across + radius) * ABOVE, from_pivot: (self.from_pivot + radius) * ABOVE, along }
+    }
+
+    /// Returns the reach of a set, given two of its bounds.
+    pub(super) fn intersection(self, other: Self) -> Self {
+        Self {
+            across: self.across.min(other.across),
+            from_pivot: self.from_pivot.min(other.from_pivot),
+            along: [self.along[0].max(other.along[0]), self.along[1].min(other.along[1])],
+        }
     }
 
     /// Returns the reach of a parallelepiped of the body.
@@ -115,7 +142,8 @@ impl AxisReach {
         let half = arms.iter().map(|arm| dot(&axis, arm).abs()).sum::<f64>();
         let height = dot(&axis, &middle);
         let across = scaled_length(&cross(&axis, &middle)) + across;
-        Self { across: across * ABOVE, along: [height - half, height + half] }
+        let from_pivot = scaled_length(&middle) + arms.iter().map(|arm| scaled_length(arm)).sum::<f64>();
+        Self { across: across * ABOVE, from_pivot: from_pivot * ABOVE, along: [height - half, height + half] }
     }
 
     /// Returns the reach of a convex set by its support function: `farthest` returns its farthest
@@ -139,12 +167,14 @@ impl AxisReach {
         // The rotation by 2π / 128, applied again and again.
         const SINE: f64 = 0.049_067_674_327_418_015;
         const ROTATION: f64 = 0.998_795_456_205_172_4;
-        let [mut cosine, mut sine, mut across] = [1.0, 0.0, 0.0_f64];
+        let (mut cosine, mut sine, mut across) = (1.0, 0.0, 0.0_f64);
         for _ in 0..DIRECTIONS {
             across = across.max(height(&add(&scale(&direction, cosine), &scale(&other, sine))));
             [cosine, sine] = [ROTATION * cosine - SINE * sine, ROTATION * sine + SINE * cosine];
         }
-        Self { across: across / COSINE * ABOVE, along }
+        let across = across / COSINE * ABOVE;
+        let from_pivot = across.hypot(along[0].abs().max(along[1].abs())) * ABOVE;
+        Self { across, from_pivot, along }
     }
 }
 
