@@ -1,5 +1,4 @@
-//! The time at which two rigidly moving things first touch: meshes, or shapes by the same
-//! advancement.
+//! The time at which two rigidly moving things first touch: meshes, or shapes.
 
 use super::ask::Sweep;
 use super::impact::Impact;
@@ -39,9 +38,9 @@ use crate::shape::Shape;
 ///
 /// # Accuracy
 /// Nothing touches before `t_lower`. At that time the two are nearer to each other than 2^-37 of
-/// their sizes, or the limit on steps was reached. `t_upper` is a time at which they intersect, or
-/// are not proved apart, at the poses of [`Motion::at`]. It is infinite if no such time was found,
-/// for example if they graze each other.
+/// their sizes and the rounding error of their poses, or the limit on the work was reached.
+/// `t_upper` is a time at which they intersect, or are not proved apart, at the poses of
+/// [`Motion::at`]. It is infinite if no such time was found, for example if they graze each other.
 ///
 /// If a mesh is open and nothing is proved about its interior, contact at the start is the safe
 /// answer. A half-space that turns sweeps distant regions at any speed, so such a query is
@@ -52,14 +51,13 @@ use crate::shape::Shape;
 /// a mesh.
 ///
 /// # Complexity
-/// One distance per step, at most 1024 steps. For meshes each distance starts from the witness of
-/// the step before. The vertices of meshes are summed up once.
+/// The number of pairs of pieces that are compared, about a microsecond each. Things that keep a gap
+/// along one direction take one pair, however far they move along each other. Otherwise the number
+/// grows with the faces that come near, and with the root of the angle over the gap. At most 2^21
+/// pairs are compared ([`Sweep::with_max_pairs`]). The vertices of meshes are summed up once.
 ///
 /// # Source
-/// Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996, section 2.3. Ours
-/// advances by a proved lower bound on the distance, minus the error of rounded poses, divided by a
-/// proved upper bound on the approach speed of any two points (docs/notes/proof.md, L24; for a
-/// shape, the corners of its box take the place of the vertices).
+/// The heads of `sweep/interval.rs` and `sweep/search.rs`; the proof is docs/notes/proof.md, L34.
 pub fn time_of_impact(
     a: impl Into<Shape>,
     b: impl Into<Shape>,
