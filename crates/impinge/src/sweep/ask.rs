@@ -8,7 +8,7 @@ use super::search::{Found, Pair, Search};
 use crate::convex::separation;
 use crate::input::InputError;
 use crate::mesh::Interrupt;
-use crate::query::{Penetrates, Query};
+use crate::query::{ContactOptions, Penetrates, Query};
 use crate::shape::{Form, PlacedShape, Shape};
 
 /// Maximum distance of bodies that count as touching, relative to the sum of their sizes: 2^-38.
@@ -172,7 +172,7 @@ impl<'s> Sweep<'s> {
             Found::Never => Impact::NEVER,
             Found::Stopped { t } => Impact::between(t, contact_after(t)),
             Found::Contact { t, pair } => {
-                let touch = touch(&bodies, t, pair, &at(t)?);
+                let touch = touch(&bodies, t, pair, &at(t)?, clearance + 4.0 * (error + resolution));
                 Impact { touch, ..Impact::between(t, contact_after(t)) }
             }
         })
@@ -193,8 +193,8 @@ fn is_surface(shape: &PlacedShape) -> bool {
     shape.parts().iter().any(|part| matches!(part.form(), Form::Surface(surface) if !surface.is_solid))
 }
 
-/// Returns the place at which two pieces touch at a time.
-fn touch(bodies: &[Body<'_>; 2], t: f64, pair: Pair, shapes: &[PlacedShape; 2]) -> Option<Touch> {
+/// Returns the place at which two pieces touch at a time, up to `margin`.
+fn touch(bodies: &[Body<'_>; 2], t: f64, pair: Pair, shapes: &[PlacedShape; 2], margin: f64) -> Option<Touch> {
     let pieces: [&Piece; 2] = [0, 1].map(|side| &bodies[side].pieces[pair.pieces[side] as usize]);
     let poses = [0, 1].map(|side| bodies[side].motion.at(t));
     let form = |side: usize| shapes[side].parts()[pieces[side].part as usize].form();
@@ -205,9 +205,16 @@ fn touch(bodies: &[Body<'_>; 2], t: f64, pair: Pair, shapes: &[PlacedShape; 2]) 
         _ => bodies[0]
             .at(pieces[0], &poses[0], |a| bodies[1].at(pieces[1], &poses[1], |b| separation(a, b).points))??,
     };
+    let mut normal = pair.direction;
+    if pieces.iter().all(|piece| piece.content == Content::Whole) {
+        // Two convex sets that nearly touch have an exact normal only as a contact.
+        let parts = [0, 1].map(|side| &shapes[side].parts()[pieces[side].part as usize]);
+        let contacts = ContactOptions { margin, ..ContactOptions::default() };
+        normal = Query::new().with_contacts(contacts).contacts(parts[0], parts[1]).first()?.normal;
+    }
     Some(Touch {
         point: [0, 1, 2].map(|k| 0.5 * points[0][k] + 0.5 * points[1][k]),
-        normal: pair.direction.map(|x| x + 0.0),
+        normal: normal.map(|x| x + 0.0),
         parts: pieces.map(|piece| piece.part),
         faces: pieces.map(|piece| if let Content::Face(face) = piece.content { Some(face) } else { None }),
     })

@@ -196,8 +196,10 @@ impl Interval {
                     [0, 1, 2].map(|k| p[k] / 3.0 + q[k] / 3.0 + r[k] / 3.0)
                 }
                 Volume::Core(point) => {
-                    let turn = body.motion.turn();
-                    found.push(turn.axis);
+                    found.push(body.motion.turn().axis);
+                    // The faces of boxes are across the axes of their frame, and so are the ends of
+                    // cylinders and cones.
+                    (0..3).for_each(|k| found.push(pose.linear().map(|row| row[k])));
                     *point
                 }
                 Volume::HalfSpace { .. } => [0.0; 3],
