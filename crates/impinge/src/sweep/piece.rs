@@ -142,7 +142,7 @@ impl AxisReach {
         let half = arms.iter().map(|arm| dot(&axis, arm).abs()).sum::<f64>();
         let height = dot(&axis, &middle);
         let across = scaled_length(&cross(&axis, &middle)) + across;
-        let from_pivot = scaled_length(&middle) + arms.iter().map(|arm| scaled_length(arm)).sum::<f64>();
+        let from_pivot = scaled_length(&middle) + arms.iter().map(scaled_length).sum::<f64>();
         Self { across: across * ABOVE, from_pivot: from_pivot * ABOVE, along: [height - half, height + half] }
     }
 
