@@ -205,9 +205,9 @@ def time_of_impact(
 
     Notes
     -----
-    The algorithm is conservative advancement with proved distance bounds. It stops at `t_lower` if
-    the two are nearer to each other than 2^-37 of their sizes, or if the bounded number of steps is
-    used up. At `t_upper` they intersect.
+    The algorithm halves time and divides both bodies, until planes prove their pieces apart. It
+    stops at `t_lower` if the two are nearer to each other than 2^-37 of their sizes, or if the
+    limit on the work is reached. At `t_upper` they intersect.
 
     Examples
     --------

@@ -139,7 +139,7 @@ pub(crate) fn time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) -> PyRes
 }
 
 /// Time of impact about which nothing is proved.
-const SAFE: Impact = Impact { t_lower: 0.0, t_upper: f64::INFINITY };
+const SAFE: Impact = Impact { t_lower: 0.0, t_upper: f64::INFINITY, touch: None };
 
 /// Returns the lower and the upper bound of each time, as two arrays.
 pub(crate) fn bounds<'py>(py: Python<'py>, impacts: &[Impact], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {

@@ -40,6 +40,25 @@ pub(crate) fn separation(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
     found
 }
 
+/// Proved bounds on the distance of two shapes, in world units, with the direction from A to B along
+/// which their cores are proved apart.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Parting {
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+    pub(crate) direction: [f64; 3],
+}
+
+/// Returns bounds on the distance of two shapes by the iteration in floats alone.
+pub(crate) fn parting(a: &Swept<'_>, b: &Swept<'_>) -> Parting {
+    let pair = Pair::new(a, b);
+    let gap = gap(&pair);
+    let [lower, upper] = world_bounds(&gap, &pair);
+    let sum = |end: usize| a.radius[end] + b.radius[end];
+    let [lower, upper] = [below(lower - above(sum(1))), above(upper - below(sum(0)))];
+    Parting { lower, upper, direction: gap.direction }
+}
+
 fn separation_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
     let pair = Pair::new(a, b);
     let (mut gap, mut exact) = (gap(&pair), None);

@@ -38,12 +38,12 @@ mod surface;
 mod surface_contacts;
 
 pub(crate) use depth::{Depth, depth};
-pub(crate) use distance::{Coherence, Separation, nearness, nearness_from, separation};
+pub(crate) use distance::{Coherence, Separation, nearness, nearness_from, parting, separation};
 pub(crate) use facets::Facets;
 pub(crate) use half_space::HalfSpace;
 pub(crate) use manifold::{Contact, Contacts, Faceted, contacts};
 pub use overlap::Feature;
 pub use posed::Support;
-pub(crate) use posed::{Core, Swept, to_unit_length};
+pub(crate) use posed::{Core, Swept, to_unit_entries, to_unit_length};
 pub(crate) use simplex::nearest as nearest_of_hull;
 pub(crate) use surface::Surface;

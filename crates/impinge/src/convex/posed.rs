@@ -93,7 +93,9 @@ pub(super) struct Pair<'a> {
 }
 
 impl Core<'_> {
-    fn reach(&self) -> [f64; 3] {
+    /// Returns an upper bound on the magnitude of the core's coordinates on each axis, in its own
+    /// frame.
+    pub(crate) fn reach(&self) -> [f64; 3] {
         match self {
             Self::Points(points) => points
                 .iter()
@@ -114,8 +116,34 @@ impl Core<'_> {
         }
     }
 
+    /// Returns a farthest point along a direction whose greatest entry is ±1, both in the core's own
+    /// frame, and its vertex if the core is a hull. The climb over a hull starts at `vertex`.
+    #[inline]
+    pub(crate) fn farthest(&self, along: [f64; 3], vertex: u32) -> ([f64; 3], u32) {
+        match self {
+            Self::Points(points) => {
+                let mut best = (f64::NEG_INFINITY, [0.0; 3]);
+                for point in *points {
+                    let found = dot(&along, point);
+                    if found > best.0 {
+                        best = (found, *point);
+                    }
+                }
+                (best.1, 0)
+            }
+            Self::Hull(hull) => {
+                let vertex = hull.support_from(along, vertex);
+                (hull.positions()[vertex as usize], vertex)
+            }
+            Self::Curved(set) => {
+                let (found, reach) = (set.support(along), set.reach());
+                (std::array::from_fn(|k| if found[k].is_nan() { 0.0 } else { found[k].clamp(-reach[k], reach[k]) }), 0)
+            }
+        }
+    }
+
     /// Returns the corners of a polytope, or `None` for any other core.
-    pub(super) fn corners(&self) -> Option<&[[f64; 3]]> {
+    pub(crate) fn corners(&self) -> Option<&[[f64; 3]]> {
         match self {
             Self::Points(points) => Some(points),
             Self::Hull(hull) => Some(hull.positions()),
@@ -251,27 +279,9 @@ impl Posed<'_> {
 
     /// Returns a farthest point along a direction, both in the set's own frame.
     pub(super) fn farthest_local(&self, along: [f64; 3]) -> [f64; 3] {
-        match self.core {
-            Core::Points(points) => {
-                let mut best = (f64::NEG_INFINITY, [0.0; 3]);
-                for point in points {
-                    let found = dot(&along, point);
-                    if found > best.0 {
-                        best = (found, *point);
-                    }
-                }
-                best.1
-            }
-            Core::Hull(hull) => {
-                let vertex = hull.support_from(along, self.vertex.get());
-                self.vertex.set(vertex);
-                hull.positions()[vertex as usize]
-            }
-            Core::Curved(set) => {
-                let (found, reach) = (set.support(along), set.reach());
-                std::array::from_fn(|k| if found[k].is_nan() { 0.0 } else { found[k].clamp(-reach[k], reach[k]) })
-            }
-        }
+        let (point, vertex) = self.core.farthest(along, self.vertex.get());
+        self.vertex.set(vertex);
+        point
     }
 
     /// Returns the vertex of a hull that is farthest along a direction of the common frame, or zero
@@ -301,7 +311,7 @@ impl Posed<'_> {
 
 /// Returns the vector scaled so that its greatest entry is ±1, or zero if it is too short or not
 /// finite.
-pub(super) fn to_unit_entries(vector: [f64; 3]) -> [f64; 3] {
+pub(crate) fn to_unit_entries(vector: [f64; 3]) -> [f64; 3] {
     let largest = vector.into_iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     if largest >= f64::MIN_POSITIVE && largest.is_finite() { vector.map(|x| x / largest) } else { [0.0; 3] }
 }

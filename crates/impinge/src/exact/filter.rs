@@ -360,7 +360,7 @@ mod tests {
             let truth = exact_sign(&points);
             if let Some(sign) = filtered(&points, &exact) {
                 assert_eq!(sign, truth, "{points:?}");
-                certain[kind][(sign as i8 + 1) as usize] += 1;
+                certain[kind][sign as usize] += 1;
             }
             for axis in 0..3 {
                 let [p, q, r, _] = &points;

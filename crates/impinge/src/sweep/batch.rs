@@ -1,16 +1,17 @@
 //! Times of impact of many motions.
 
+use super::ask::Sweep;
 use super::impact::Impact;
 use super::motion::Motion;
-use super::time_of_impact::time_of_impact;
 use crate::budget::Stopped;
 use crate::input::InputError;
 use crate::query::batch::{Broadcast, Execution};
 use crate::shape::Shape;
 
-/// Returns the [`time_of_impact`] of two things for each row of `broadcast`. `motions` holds
-/// motions of the first and of the second thing, and `broadcast` selects one of each for a row. A
-/// row holds an error if a motion is not valid for one of the two things.
+/// Returns the [`time_of_impact`](super::time_of_impact()) of two things for each row of
+/// `broadcast`. `motions` holds motions of the first and of the second thing, and `broadcast`
+/// selects one of each for a row. A row holds an error if a motion is not valid for one of the two
+/// things.
 ///
 /// ```
 /// use impinge::query::batch::{Broadcast, Execution};
@@ -41,13 +42,36 @@ pub fn times_of_impact(
     broadcast: &Broadcast,
     execution: Execution<'_>,
 ) -> Result<Vec<Result<Impact, InputError>>, Stopped> {
-    let (a, b) = (a.into(), b.into());
-    execution.rows(
-        broadcast.rows(),
-        || (),
-        |(), row| {
-            let [at_a, at_b] = broadcast.sources(row);
-            time_of_impact(&a, &b, &motions[0][at_a], &motions[1][at_b])
-        },
-    )
+    Sweep::new().times_of_impact(a, b, motions, broadcast, execution)
+}
+
+impl Sweep<'_> {
+    /// Returns the time of impact of two things for each row of `broadcast`, as
+    /// [`times_of_impact`] does. The budget of `execution` takes the place of this sweep's.
+    ///
+    /// # Errors
+    /// The errors of [`Execution::rows`].
+    ///
+    /// # Panics
+    /// If `broadcast` selects a motion that does not exist.
+    pub fn times_of_impact(
+        self,
+        a: impl Into<Shape>,
+        b: impl Into<Shape>,
+        motions: [&[Motion]; 2],
+        broadcast: &Broadcast,
+        execution: Execution<'_>,
+    ) -> Result<Vec<Result<Impact, InputError>>, Stopped> {
+        let (a, b) = (a.into(), b.into());
+        let budget = execution.budget();
+        execution.rows(
+            broadcast.rows(),
+            || (),
+            |(), row| {
+                let [at_a, at_b] = broadcast.sources(row);
+                let motion = [&motions[0][at_a], &motions[1][at_b]];
+                self.with_budget(budget).time_of_impact(&a, &b, motion[0], motion[1])
+            },
+        )
+    }
 }

@@ -58,7 +58,7 @@ impl Exact {
         let mut stack = vec![self.node(span)];
         while let Some(node) = stack.pop() {
             let span = node.span;
-            let undecided = Impact { t_lower: span.low(), t_upper: f64::INFINITY };
+            let undecided = Impact::between(span.low(), f64::INFINITY);
             if *work == 0 {
                 return Some(undecided);
             }
@@ -68,11 +68,11 @@ impl Exact {
                 continue;
             }
             if self.touches_at_start(&node) {
-                return Some(Impact { t_lower: span.low(), t_upper: span.low_above() });
+                return Some(Impact::between(span.low(), span.low_above()));
             }
             if span.level >= CONTACT_LEVEL {
                 if verdict == Verdict::Contact || self.touches_at_end(&node) {
-                    return Some(Impact { t_lower: span.low(), t_upper: span.high() });
+                    return Some(Impact::between(span.low(), span.high()));
                 }
                 if span.level >= MAX_LEVEL {
                     return Some(undecided);

@@ -131,7 +131,7 @@ pub(super) fn first_contact(t0: &[[f64; 3]; 4], t1: &[[f64; 3]; 4], split: Split
         }
         let is_worth_halving = span.level < CONTACT_LEVEL && verdict != Verdict::Blind;
         if !is_worth_halving && t_upper - low <= MAX_CONTACT_WIDTH {
-            return Impact { t_lower: low, t_upper };
+            return Impact::between(low, t_upper);
         }
         if is_worth_halving && float_work > 0 {
             float_work -= 1;

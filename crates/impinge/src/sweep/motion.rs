@@ -169,28 +169,49 @@ impl Motion {
         self.linear
     }
 
-    /// Returns an upper bound on the speed of some points of the body at any time, without the
-    /// velocity of the pivot.
-    pub(super) fn turning_speed(&self, points: impl Iterator<Item = [f64; 3]>) -> f64 {
-        if self.angular == [0.0; 3] {
-            return 0.0;
-        }
-        let [x, y, z] = self.angular;
-        let (mut squared, mut reach) = (0.0_f64, 0.0_f64);
-        for point in points {
-            reach = reach.max(length(point));
-            let arm = self.world_from_body_t0.apply(point);
-            let [u, v, w] = [0, 1, 2].map(|k| arm[k] - self.pivot[k]);
-            let velocity = [y * w - z * v, z * u - x * w, x * v - y * u];
-            squared = squared.max(velocity.iter().map(|x| x * x).sum());
-        }
-        // Images are wrong by 8 u of their summands, and products by as much again.
-        let sizes = 2.0 * reach + length(*self.world_from_body_t0.translation()) + length(self.pivot);
-        let rounding = 64.0 * UNIT * length(self.angular) * sizes;
-        let difference = length(self.difference.map(length)) + self.rotation_error();
-        // The last summand covers squares that underflow. It is not zero because the body is not at
-        // rest.
-        (squared.sqrt() + rounding + difference * reach) * (1.0 + 1e-12) + 1e-150
+    /// Returns the pivot at a time, `p + l t`, rounded.
+    pub(super) fn pivot_at(&self, t: f64) -> [f64; 3] {
+        [0, 1, 2].map(|k| self.pivot[k] + t * self.linear[k])
+    }
+
+    /// Returns how the body turns.
+    pub(super) fn turn(&self) -> Turn {
+        let rate = length(self.angular);
+        let axis = if rate > 0.0 { self.angular.map(|x| x / rate) } else { [0.0; 3] };
+        let drift = length(self.difference.map(length)) * (1.0 + 1e-12);
+        Turn { axis, rate: rate * (1.0 + 1e-12), drift }
+    }
+
+    /// Returns the arm of a point of the body at time 0, `P₀ v - p`, rounded.
+    pub(super) fn arm(&self, point: [f64; 3]) -> [f64; 3] {
+        let start = self.world_from_body_t0.apply(point);
+        [0, 1, 2].map(|k| start[k] - self.pivot[k])
+    }
+
+    /// Reports whether the linear part of the pose changes.
+    pub(super) fn turns(&self) -> bool {
+        self.angular != [0.0; 3] || self.difference != [[0.0; 3]; 3]
+    }
+
+    /// Reports whether two bodies that move by these motions keep their distance: both motions are
+    /// the same map of the world at each time, and it is rigid.
+    pub(super) fn is_in_step_with(&self, other: &Self) -> bool {
+        let is_rigid = |motion: &Self| motion.difference == [[0.0; 3]; 3];
+        let is_same_turn = self.angular == other.angular && (self.angular == [0.0; 3] || self.pivot == other.pivot);
+        is_rigid(self) && is_rigid(other) && is_same_turn && self.linear == other.linear
+    }
+
+    /// Reports whether this motion comes before another one in the order of their numbers. Equal
+    /// motions come before each other.
+    pub(super) fn is_before(&self, other: &Self) -> bool {
+        let numbers = |motion: &Self| {
+            let start = &motion.world_from_body_t0;
+            let vectors = [*start.translation(), motion.linear, motion.angular, motion.pivot];
+            vectors.into_iter().chain(*start.linear()).chain(motion.difference).flatten().collect::<Vec<f64>>()
+        };
+        let (here, there) = (numbers(self), numbers(other));
+        let differs = here.iter().zip(&there).map(|(x, y)| x.total_cmp(y)).find(|order| order.is_ne());
+        differs.is_none_or(std::cmp::Ordering::is_lt)
     }
 
     /// Returns an upper bound on the error of [`at`](Self::at), at any time except zero, for the
@@ -246,6 +267,17 @@ impl Motion {
         ]
         .map(|row| row.map(|entry| entry / squared_length))
     }
+}
+
+/// How a body turns: what bounds the paths of its points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turn {
+    /// Unit vector along the axis, rounded. It is zero if the body does not turn.
+    pub(super) axis: [f64; 3],
+    /// Upper bound on the angle over the whole time, in radians.
+    pub(super) rate: f64,
+    /// Upper bound on the norm of D, which the linear part gains over the whole time.
+    pub(super) drift: f64,
 }
 
 impl Default for Motion {

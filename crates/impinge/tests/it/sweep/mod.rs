@@ -2,6 +2,7 @@
 
 mod corners;
 mod deforming;
+mod gliding;
 mod recorded;
 mod rigid;
 mod shapes;
