@@ -17,9 +17,9 @@
 use super::depth::{Effort, depth_in_order};
 use super::distance::{above, below};
 use super::facets::Facets;
-use super::facing::facing;
+use super::facing::{Facing, facing, facing_facets};
 use super::overlap::{Feature, Over, is_one_place, overlap};
-use super::posed::{Pair, Swept};
+use super::posed::{Pair, Posed, Swept};
 use crate::math::relative::UNIT_ROUNDOFF;
 use crate::math::vec3::{cross, dot, sub};
 
@@ -28,6 +28,9 @@ use crate::math::vec3::{cross, dot, sub};
 pub(crate) struct Faceted<'a> {
     pub(crate) swept: Swept<'a>,
     pub(crate) facets: Option<&'a Facets>,
+    /// Whether all facets that lean towards a normal are in contact along it, as for the part of a
+    /// curved surface. Otherwise only the one that leans most is.
+    pub(crate) has_all_facets: bool,
 }
 
 /// A contact in the world frame: a point on either shape, an interval for the depth in world units,
@@ -64,6 +67,18 @@ impl Contacts {
             contact.features.swap(0, 1);
         }
         self
+    }
+
+    /// Returns the greatest upper bound of a depth.
+    pub(super) fn deepest(&self) -> f64 {
+        self.contacts.iter().map(|contact| contact.upper).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Returns twice the midpoint of the first contact, which is the same for the shapes in either
+    /// order.
+    pub(super) fn middle_of_first(&self) -> [f64; 3] {
+        let [p, q] = self.contacts.first().map_or([[0.0; 3]; 2], |contact| contact.points);
+        std::array::from_fn(|k| p[k] + q[k])
     }
 
     /// Keeps at most `max_contacts` contacts, and at least one, sorted by features. It keeps the
@@ -130,11 +145,33 @@ pub(super) fn contacts_along(a: &Faceted<'_>, b: &Faceted<'_>, normal: [f64; 3],
 }
 
 fn overlapping(pair: &Pair<'_>, shapes: [&Faceted<'_>; 2], normal: [f64; 3], margin: f64) -> Contacts {
-    let facing_a = facing(&pair.a, shapes[0].facets, normal);
-    let facing_b = facing(&pair.b, shapes[1].facets, normal.map(|x| -x));
-    let mut contacts = measured(pair, shapes, &normal, overlap(&facing_a, &facing_b, &normal));
+    let (_, over) = facing_overlap(pair, shapes, &normal);
+    let mut contacts = measured(pair, shapes, &normal, over);
     contacts.retain(|contact| contact.upper >= -margin);
     Contacts { normal, contacts }
+}
+
+/// Returns the features that face each other along a direction, and the places where the facing
+/// parts lie over each other. Of several facing facets the first names the feature.
+fn facing_overlap(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3]) -> ([Feature; 2], Vec<Over>) {
+    let facing_a = all_facing(&pair.a, a, *normal);
+    let facing_b = all_facing(&pair.b, b, normal.map(|x| -x));
+    let mut over = Vec::new();
+    for part_a in &facing_a {
+        for part_b in &facing_b {
+            over.extend(overlap(part_a, part_b, normal));
+        }
+    }
+    ([facing_a[0].feature(), facing_b[0].feature()], over)
+}
+
+/// Returns the facets that lean towards a direction, the one that leans most first, or the one part
+/// of the shape that faces it.
+fn all_facing(set: &Posed<'_>, shape: &Faceted<'_>, direction: [f64; 3]) -> Vec<Facing> {
+    match shape.facets {
+        Some(facets) if shape.has_all_facets => facing_facets(set, facets, direction),
+        facets => vec![facing(set, facets, direction)],
+    }
 }
 
 fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts {
@@ -145,11 +182,9 @@ fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts 
         found = depth(Effort::ROUND_DEPTH);
     }
     let normal = found.depth.normal;
-    let facing_a = facing(&pair.a, a.facets, normal);
-    let facing_b = facing(&pair.b, b.facets, normal.map(|x| -x));
-    let mut over = overlap(&facing_a, &facing_b, &normal);
+    let (features, mut over) = facing_overlap(&pair, [a, b], &normal);
     let height = |over: &Over| dot(&normal, &over.points[0]) - dot(&normal, &over.points[1]);
-    let witness = Over { points: found.core, features: [facing_a.feature(), facing_b.feature()] };
+    let witness = Over { points: found.core, features };
     let deepest = over.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
     if deepest.is_nan() || deepest < height(&witness) - MIN_WITNESS_EXCESS {
         over.push(witness);
