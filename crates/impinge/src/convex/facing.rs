@@ -63,12 +63,21 @@ fn faces(cosine: f64) -> bool {
     cosine > 0.0 && cosine * cosine >= 1.0 - MAX_FACING_SINE * MAX_FACING_SINE
 }
 
+/// Returns the outward normals of all facets of a core, of length 1 in the common frame.
+pub(super) fn facet_normals(set: &Posed<'_>, facets: &Facets) -> Vec<[f64; 3]> {
+    (0..facets.outlines.len() as u32).map(|facet| facets.normal(set, facet)).collect()
+}
+
 impl Facets {
     /// Returns the cosine of the angle between the outward normal of a facet and a direction.
     fn cosine(&self, set: &Posed<'_>, facet: u32, direction: &[f64; 3]) -> f64 {
+        dot(direction, &self.normal(set, facet))
+    }
+
+    fn normal(&self, set: &Posed<'_>, facet: u32) -> [f64; 3] {
         let outline = self.outlines.list(facet).iter().map(|&corner| set.spot(self.corners[corner as usize].1).point);
         let outward = if set.pose().mirrors() { -1.0 } else { 1.0 };
-        outward * dot(direction, &to_unit_length(vector_area(outline)))
+        to_unit_length(vector_area(outline).map(|x| outward * x))
     }
 
     fn facing(&self, set: &Posed<'_>, facet: u32) -> Facing {

@@ -1,5 +1,6 @@
 //! Contacts of two things: where they touch or overlap, as a contact solver needs it.
 
+use super::seams::across_seams;
 use super::search::depth_by_search;
 use super::table::{nearness_of_parts, pairs_near, surface_of};
 pub use crate::convex::Feature;
@@ -114,8 +115,8 @@ fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<([u32; 
     for numbers in pairs_near(a, b, margin) {
         let (part_a, part_b) = (&a.parts()[numbers[0] as usize], &b.parts()[numbers[1] as usize]);
         if nearness_of_parts(part_a, part_b, margin) != Proximity::Apart {
-            let of_parts = contacts_of_parts(part_a, part_b, margin);
-            found.extend(of_parts.into_iter().map(|contacts| (numbers, contacts)));
+            let of_parts = contacts_of_parts(part_a, part_b, margin).into_iter();
+            found.extend(of_parts.map(|contacts| (numbers, across_seams([a, b], numbers, contacts, margin))));
         }
     }
     found

@@ -6,6 +6,7 @@
 
 mod beyond;
 pub(super) mod contacts;
+mod seams;
 pub(super) mod search;
 mod spheres;
 pub(super) mod table;

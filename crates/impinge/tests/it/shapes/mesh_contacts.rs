@@ -206,3 +206,94 @@ fn a_box_on_a_grid_keeps_all_its_corners() {
         }
     }
 }
+
+/// Checks a crate 1 mm deep in flush tiles, less and more than 1 mm over their seam.
+#[test]
+fn a_crate_on_flush_tiles_is_only_lifted() {
+    let tile = Shape::cuboid([5.0, 5.0, 0.5]).unwrap();
+    let floor = Shape::compound(&[(tile.clone(), at([-5.0, 0.0, -0.5])), (tile, at([5.0, 0.0, -0.5]))]).unwrap();
+    let crate_ = Shape::cuboid([0.5; 3]).unwrap();
+    for over in [1e-4, 9e-4, 1.1e-3] {
+        let [floor, crate_] = [here(&floor), there(&crate_, [-0.5 + over, 0.0, 0.499])];
+        for (found, sign) in [(query::contacts(&floor, &crate_), 1.0), (query::contacts(&crate_, &floor), -1.0)] {
+            assert_eq!(found.len(), 2, "{found:?}");
+            for found in &found {
+                assert!(
+                    sign * found.normal[2] > 1.0 - 1e-12 && (deepest(found) - 1e-3).abs() < 1e-9,
+                    "{over} {found:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn boxes_that_share_a_face_are_not_deep() {
+    let (unit, cube) = (Shape::cuboid([0.5; 3]).unwrap(), Shape::solid(&box_mesh([0.5; 3])));
+    for axis in 0..3 {
+        for sign in [1.0, -1.0] {
+            let aside: [f64; 3] = std::array::from_fn(|k| if k == axis { sign } else { 0.25 });
+            let found = query::penetration(here(&unit), there(&unit, aside)).expect("they touch");
+            assert_eq!((found.lower, found.upper), (0.0, 0.0), "{found:?}");
+            for (a, b) in [(&unit, &unit), (&cube, &unit), (&unit, &cube), (&cube, &cube)] {
+                let found = query::contacts(here(a), there(b, aside));
+                assert_eq!(found.len(), 1, "{found:?}");
+                assert_eq!((found[0].points.len(), deepest(&found[0])), (4, 0.0), "{a:?} {b:?} {found:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_box_on_a_floor_a_billion_times_larger_has_four_contacts() {
+    let small = Shape::cuboid([0.1; 3]).unwrap();
+    for size in [1e6, 1e7, 1e8] {
+        let half = [size, size, 0.25];
+        for floor in [Shape::cuboid(half).unwrap(), Shape::solid(&box_mesh(half))] {
+            let found = query::contacts(here(&floor), there(&small, [0.9 * size, 0.0, 0.35 - 1e-4]));
+            assert_eq!(found.len(), 1, "{found:?}");
+            assert!((area(&found[0]) - 0.04).abs() < 1e-6, "{found:?}");
+            let is_right = |point: &query::ContactPoint| {
+                point.lower < 1e-4 + 1e-8 && 1e-4 - 1e-8 < point.upper && point.upper - point.lower < 1e-5
+            };
+            assert!(found[0].points.iter().all(is_right), "{found:?}");
+        }
+    }
+}
+
+/// Box shape that counts the calls of its support function.
+#[derive(Debug, Default)]
+struct Counted(std::sync::atomic::AtomicUsize);
+
+impl impinge::convex::Support for Counted {
+    fn support(&self, direction: [f64; 3]) -> [f64; 3] {
+        self.0.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        direction.map(|x| 4.5_f64.copysign(x))
+    }
+
+    fn reach(&self) -> [f64; 3] {
+        [4.5; 3]
+    }
+}
+
+/// Checks that the contacts of a flat mesh take less than one support for each face, from 3,200
+/// faces to 51,200: the faces in one plane are one piece.
+#[test]
+fn faces_in_one_plane_are_one_contact() {
+    let calls = [40, 80, 160].map(|n: u32| {
+        let mut grid = plane_grid(n, n);
+        grid.vertices
+            .iter_mut()
+            .for_each(|v| *v = [v[0] * 10.0 / f64::from(n) - 5.0, v[1] * 10.0 / f64::from(n) - 5.0, 0.0]);
+        let counted = std::sync::Arc::new(Counted::default());
+        let shape = Shape::custom(counted.clone()).unwrap();
+        let place = Pose::from_axis_angle([0.0, 0.0, 1.0], 0.1, [0.01, 0.02, 4.499]).unwrap();
+        let (floor, shape) = (here(&Shape::mesh(&engine(&grid))), shape.at(place).unwrap());
+        let before = counted.0.load(std::sync::atomic::Ordering::Relaxed);
+        let found = query::contacts(&floor, &shape);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!((deepest(&found[0]) - 1e-3).abs() < 1e-6, "{found:?}");
+        counted.0.load(std::sync::atomic::Ordering::Relaxed) - before
+    });
+    assert!(calls.iter().zip([3_200, 12_800, 51_200]).all(|(&calls, faces)| calls < faces / 4), "{calls:?}");
+}

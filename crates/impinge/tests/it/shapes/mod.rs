@@ -11,3 +11,4 @@ mod mesh_contacts;
 mod pairs;
 mod support;
 mod surfaces;
+mod twins;
