@@ -11,7 +11,9 @@
 //! - `boxes` decides intersection and depth of two boxes in closed form, if floats are certain;
 //! - `half_space` compares shapes with planes;
 //! - `manifold` computes the points of a contact, from the `facets` of polytopes, the parts
-//!   `facing` along the normal, and their `overlap`.
+//!   `facing` along the normal, and their `overlap`; `reduction` keeps a few of them;
+//! - `piece` divides the touched part of a mesh into convex pieces, whose contacts
+//!   `surface_contacts` returns.
 //!
 //! The errors are derived in docs/notes/proof.md, L20 to L22, L28 and L29. The tests are in
 //! `tests/it/shapes`, and the benchmark is `shapes` in `impinge-bench`.

@@ -31,7 +31,7 @@ pub(crate) enum Body<'b> {
     /// A convex shape.
     Convex(Faceted<'b>),
     /// A convex piece of a surface.
-    Piece(PlacedPiece<'b>),
+    Piece(Box<PlacedPiece<'b>>),
 }
 
 /// A convex piece of a surface in the world.
@@ -47,7 +47,7 @@ impl<'b> Body<'b> {
     /// Places a piece. Returns `None` if it has no hull.
     pub(crate) fn of_piece(piece: Piece<'b>, pose: &'b Pose, touched: &'b [OrientedFace]) -> Option<Self> {
         let polytope = Polytope::of(&piece)?;
-        Some(Self::Piece(PlacedPiece { piece, polytope, pose, touched }))
+        Some(Self::Piece(Box::new(PlacedPiece { piece, polytope, pose, touched })))
     }
 
     pub(super) fn faceted(&self) -> Faceted<'_> {

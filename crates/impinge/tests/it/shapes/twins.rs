@@ -76,6 +76,10 @@ fn sunk(rng: &mut Rng, twin: &PlacedShape, half: [f64; 3], body: &Shape) -> Opti
     Some((there(high + deep), deep))
 }
 
+/// Difference of areas that does not count. The points of a cylinder that rocks are nearly in one
+/// line, and depend on its normal, which is within 2^-12.
+const AREA_SLACK: f64 = 1e-5;
+
 /// Compares manifolds of a scene with the one of its convex twin. Reports whether the twin's normal
 /// was the only good one.
 fn compare(found: &[Manifold], twin: &Manifold, second_least: f64, context: &dyn Fn() -> String) -> bool {
@@ -92,7 +96,7 @@ fn compare(found: &[Manifold], twin: &Manifold, second_least: f64, context: &dyn
     }
     assert_eq!(found.len(), 1, "{}", context());
     assert!((deepest(&found[0]) - depth).abs() <= 0.01 * depth + 1e-9, "{}", context());
-    assert!(area(&found[0]) >= 0.99 * area(twin) - 1e-9, "{} {} {}", area(&found[0]), area(twin), context());
+    assert!(area(&found[0]) >= 0.99 * area(twin) - AREA_SLACK, "{} {} {}", area(&found[0]), area(twin), context());
     true
 }
 
