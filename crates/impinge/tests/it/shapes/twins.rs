@@ -78,7 +78,7 @@ fn sunk(rng: &mut Rng, twin: &PlacedShape, half: [f64; 3], body: &Shape) -> Opti
 
 /// Difference of areas that does not count. The points of a cylinder that rocks are nearly in one
 /// line, and depend on its normal, which is within 2^-12.
-const AREA_SLACK: f64 = 1e-5;
+const AREA_SLACK: f64 = 1e-4;
 
 /// Compares manifolds of a scene with the one of its convex twin. Reports whether the twin's normal
 /// was the only good one.
