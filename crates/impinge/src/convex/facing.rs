@@ -44,8 +44,8 @@ pub(super) fn facing(set: &Posed<'_>, facets: Option<&Facets>, direction: [f64; 
     }
 }
 
-/// Returns all facets of a polytope that lean towards a direction, the one that leans most first. If
-/// there is none, returns the edge or the corner that faces it.
+/// Returns all facets of a polytope that lean towards a direction, the one that leans most first.
+/// If there is none, returns the edge or the corner that faces it.
 pub(super) fn facing_facets(set: &Posed<'_>, facets: &Facets, direction: [f64; 3]) -> Vec<Facing> {
     let best = of_polytope(set, facets, direction);
     if best.corners.len() < 3 {

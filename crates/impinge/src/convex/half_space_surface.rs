@@ -69,8 +69,8 @@ impl HalfSpace<'_> {
         best
     }
 
-    /// Returns the contacts of the vertices of a mesh's faces that are in the half-space, or at most
-    /// `margin` above it. Of several vertices at one position only the first is a contact.
+    /// Returns the contacts of the vertices of a mesh's faces that are in the half-space, or at
+    /// most `margin` above it. Of several vertices at one position only the first is a contact.
     ///
     /// # Complexity
     /// O(n) for n faces that are that near.

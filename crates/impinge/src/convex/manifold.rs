@@ -203,8 +203,8 @@ fn measured(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3], over:
     contacts
 }
 
-/// Width of an interval of depths, relative to the smaller shape, above which the depth is computed with full
-/// effort: 2^-13. Round shapes that are deep in each other reach it.
+/// Width of an interval of depths, relative to the smaller shape, above which the depth is computed
+/// with full effort: 2^-13. Round shapes that are deep in each other reach it.
 const MAX_CONTACT_WIDTH: f64 = 1.0 / (1 << 13) as f64;
 
 /// Minimum extra depth of the witness over all points of the clipped polygons, relative to the

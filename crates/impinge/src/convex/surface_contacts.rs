@@ -86,8 +86,8 @@ impl Surface<'_> {
 
     /// Returns all faces that are within `margin` of a convex set, and maybe others that are near,
     /// the nearest to the set's center first. Each is oriented as its corners are ordered if the
-    /// mesh is solid, or else so that the center is outside. That is right for the nearest face, and
-    /// `pieces` carries it over to the neighbors.
+    /// mesh is solid, or else so that the center is outside. That is right for the nearest face,
+    /// and `pieces` carries it over to the neighbors.
     fn touched(&self, shape: &Swept<'_>, margin: f64) -> Vec<OrientedFace> {
         let Some(corners) = self.mesh.local_bounds().map(corners_of_box) else { return Vec::new() };
         let bounds = Swept { core: Core::Points(&corners), pose: self.pose, radius: [0.0; 2] };

@@ -19,8 +19,8 @@ use crate::primitive::closest_on_triangle;
 /// need more; they get the normal of one of the piece's faces.
 const MAX_GROWTHS: usize = 16;
 
-/// Minimum cosine of a normal with the normal of some face of a piece. Zero is needed for the border
-/// of a surface.
+/// Minimum cosine of a normal with the normal of some face of a piece. Zero is needed for the
+/// border of a surface.
 const MIN_OUTWARD_COSINE: f64 = -1e-6;
 
 /// Minimum cosine of two directions that count as the same: an angle of about 2^-15.

@@ -59,11 +59,11 @@ pub struct ContactId {
 ///   [`penetration`](crate::query::penetration()); for round shapes the normal is within 2^-12 of
 ///   it.
 /// - A mesh and a convex shape have the manifolds of the convex pieces of the touched surface: of
-///   neighboring faces that touch the shape as one convex body would. A piece has no manifold if the
-///   shape leaves it with the shallower contacts, as it leaves the side of a platform when it is
-///   lifted. Manifolds whose normals are within 2.5 degrees are merged. The outside of a solid is
-///   the side from which corners are in counterclockwise order; the outside of a surface is the side
-///   of the shape's center.
+///   neighboring faces that touch the shape as one convex body would. A piece has no manifold if
+///   the shape leaves it with the shallower contacts, as it leaves the side of a platform when it
+///   is lifted. Manifolds whose normals are within 2.5 degrees are merged. The outside of a solid
+///   is the side from which corners are in counterclockwise order; the outside of a surface is the
+///   side of the shape's center.
 /// - Two half-spaces have one point. Its depth is infinite unless their planes are parallel and
 ///   face each other.
 /// - Two meshes have the manifolds of their convex pieces, for each region in which their surfaces

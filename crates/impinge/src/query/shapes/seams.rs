@@ -18,8 +18,8 @@ use crate::shape::{Form, PlacedShape};
 /// 2^-16. Parts are flush if the gap between them is less than half of it.
 const BESIDE: f64 = 1.0 / (1 << 16) as f64;
 
-/// Returns the contacts of two convex parts of two shapes, along another normal if theirs leads into
-/// another part of the same shape.
+/// Returns the contacts of two convex parts of two shapes, along another normal if theirs leads
+/// into another part of the same shape.
 pub(super) fn across_seams(
     [a, b]: [&PlacedShape; 2],
     [number_a, number_b]: [u32; 2],

@@ -32,7 +32,7 @@ fn divided(half: [f64; 3], times: usize) -> Plain {
     mesh
 }
 
-/// A body that comes to rest: a box, a cylinder, a capsule or a hull.
+/// Returns a body that comes to rest: a box, a cylinder, a capsule or a hull.
 fn body(rng: &mut Rng) -> Shape {
     match rng.integer(0, 3) {
         0 => Shape::cuboid([0; 3].map(|_| rng.uniform(0.1, 0.6))).unwrap(),
