@@ -27,8 +27,11 @@ use super::facet::Facet;
 use super::gjk::{Gap, gap, means};
 use super::posed::{Difference, Pair, Swept, to_unit_entries, to_unit_length};
 use super::simplex;
+use crate::exact::world_point;
 use crate::hull::{Hull, HullKind};
+use crate::math::dyadic::{self, Dyadic};
 use crate::math::vec3::{cross, dot, length};
+use crate::math::{Pose, Sign};
 
 /// Maximum number of hulls that are built. Polytopes without volume need about 3 to 8.
 const MAX_HULL_ROUNDS: usize = 24;
@@ -70,6 +73,11 @@ impl Effort {
     /// For the normal of a contact, which the next step of a simulation computes anew. It may be
     /// too little if the contact is deep.
     pub(super) const CONTACT: Self = Self { target_width: 1.0 / (1 << 24) as f64, max_points: 64, is_thorough: false };
+
+    /// Returns the effort for sets of which the smaller one has this size in the common unit.
+    pub(super) fn for_size(self, size: f64) -> Self {
+        Self { target_width: (self.target_width * size).max(TARGET_WIDTH), ..self }
+    }
 }
 
 /// Bounds on the depth of two intersecting shapes, in world units. The shapes are apart after B has
@@ -116,8 +124,30 @@ pub(super) fn depth_in_order(pair: &Pair<'_>, a: &Swept<'_>, b: &Swept<'_>, effo
         std::array::from_fn(|k| world[0][k] + normal[k] * a.radius[0]),
         std::array::from_fn(|k| world[1][k] - normal[k] * b.radius[0]),
     ];
-    let depth = Depth { lower, upper: above(height + above(sum(1))).max(lower), normal, points };
+    let mut upper = above(height + above(sum(1))).max(lower);
+    if lower == 0.0 && upper <= pair.unit * MAX_TOUCHING_DEPTH && sum(1) == 0.0 && only_touch(a, b, &core.direction) {
+        upper = 0.0;
+    }
+    let depth = Depth { lower, upper, normal, points };
     CoreWitness { depth, core: core.points }
+}
+
+/// Upper bound of a depth, in the common unit, up to which polytopes may only touch: 2^-40.
+const MAX_TOUCHING_DEPTH: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// Reports whether no corner of a polytope is beyond a corner of another one along a direction,
+/// exactly. Then their interiors have no common point.
+fn only_touch(a: &Swept<'_>, b: &Swept<'_>, direction: &[f64; 3]) -> bool {
+    let (Some(corners_a), Some(corners_b)) = (a.core.corners(), b.core.corners()) else { return false };
+    if *direction == [0.0; 3] {
+        return false;
+    }
+    let direction = direction.map(Dyadic::from_f64);
+    let height = |pose: &Pose, corner: &[f64; 3]| dyadic::dot(&direction, &world_point(pose, corner));
+    let greater = |x: Dyadic, y: Dyadic| if (&y - &x).sign() == Sign::Positive { y } else { x };
+    let highest = corners_a.iter().map(|corner| height(a.pose, corner)).reduce(greater);
+    let Some(highest) = highest else { return false };
+    corners_b.iter().all(|corner| (&height(b.pose, corner) - &highest).sign() != Sign::Negative)
 }
 
 /// Returns the bounds for the cores, and the largest distance that they may have, in world units.

@@ -37,7 +37,7 @@ impl Ragged {
         &self.entries[start..self.ends[at] as usize]
     }
 
-    fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.ends.len()
     }
 }

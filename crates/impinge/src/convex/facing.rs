@@ -44,6 +44,51 @@ pub(super) fn facing(set: &Posed<'_>, facets: Option<&Facets>, direction: [f64; 
     }
 }
 
+/// Returns all facets of a polytope that lean towards a direction, the one that leans most first.
+/// If there is none, returns the edge or the corner that faces it.
+pub(super) fn facing_facets(set: &Posed<'_>, facets: &Facets, direction: [f64; 3]) -> Vec<Facing> {
+    let best = of_polytope(set, facets, direction);
+    if best.corners.len() < 3 {
+        return vec![best];
+    }
+    let others = (0..facets.outlines.len() as u32)
+        .filter(|&facet| facet != best.facet)
+        .filter(|&facet| faces(facets.cosine(set, facet, &direction)));
+    let others = others.map(|facet| facets.facing(set, facet)).collect::<Vec<_>>();
+    std::iter::once(best).chain(others).collect()
+}
+
+/// Reports whether a facet with this cosine between its normal and a direction faces it.
+fn faces(cosine: f64) -> bool {
+    cosine > 0.0 && cosine * cosine >= 1.0 - MAX_FACING_SINE * MAX_FACING_SINE
+}
+
+/// Returns the outward normals of all facets of a core, of length 1 in the common frame.
+pub(super) fn facet_normals(set: &Posed<'_>, facets: &Facets) -> Vec<[f64; 3]> {
+    (0..facets.outlines.len() as u32).map(|facet| facets.normal(set, facet)).collect()
+}
+
+impl Facets {
+    /// Returns the cosine of the angle between the outward normal of a facet and a direction.
+    fn cosine(&self, set: &Posed<'_>, facet: u32, direction: &[f64; 3]) -> f64 {
+        dot(direction, &self.normal(set, facet))
+    }
+
+    fn normal(&self, set: &Posed<'_>, facet: u32) -> [f64; 3] {
+        let outline = self.outlines.list(facet).iter().map(|&corner| set.spot(self.corners[corner as usize].1).point);
+        let outward = if set.pose().mirrors() { -1.0 } else { 1.0 };
+        to_unit_length(vector_area(outline).map(|x| outward * x))
+    }
+
+    fn facing(&self, set: &Posed<'_>, facet: u32) -> Facing {
+        let corner = |&corner: &u32| {
+            let (number, local) = self.corners[corner as usize];
+            Corner { number, point: set.spot(local).point }
+        };
+        Facing { corners: self.outlines.list(facet).iter().map(corner).collect(), facet }
+    }
+}
+
 fn of_polytope(set: &Posed<'_>, facets: &Facets, direction: [f64; 3]) -> Facing {
     let point = |corner: u32| set.spot(facets.corners[corner as usize].1).point;
     let corner = |corner: u32| Corner { number: facets.corners[corner as usize].0, point: point(corner) };
@@ -54,17 +99,12 @@ fn of_polytope(set: &Posed<'_>, facets: &Facets, direction: [f64; 3]) -> Facing 
             (0..facets.corners.len() as u32).max_by(|x, y| height(x).total_cmp(&height(y)).then(y.cmp(x))).unwrap_or(0)
         }
     };
-    let facet = facets.facets_at.list(farthest).iter().map(|&facet| {
-        let outline = facets.outlines.list(facet).iter().map(|&corner| point(corner));
-        let outward = if set.pose().mirrors() { -1.0 } else { 1.0 };
-        (outward * dot(&direction, &to_unit_length(vector_area(outline))), facet)
-    });
+    let facet = facets.facets_at.list(farthest).iter().map(|&facet| (facets.cosine(set, facet, &direction), facet));
     let facet = facet.max_by(|x, y| x.0.total_cmp(&y.0).then(y.1.cmp(&x.1)));
     if let Some((cosine, facet)) = facet
-        && cosine * cosine >= 1.0 - MAX_FACING_SINE * MAX_FACING_SINE
-        && cosine > 0.0
+        && faces(cosine)
     {
-        return Facing { corners: facets.outlines.list(facet).iter().map(|&at| corner(at)).collect(), facet };
+        return facets.facing(set, facet);
     }
     let sine = |other: u32| dot(&direction, &to_unit_length(sub(&point(other), &point(farthest)))).abs();
     let edge = facets.neighbors.list(farthest).iter().map(|&other| (sine(other), other));

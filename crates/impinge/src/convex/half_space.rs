@@ -113,21 +113,7 @@ impl<'a> HalfSpace<'a> {
         Contacts { normal, contacts }
     }
 
-    /// Returns the contacts of the corners of a polytope that are in the half-space or at most
-    /// `margin` above it. Corners are numbered in their order.
-    pub(super) fn contacts_of_corners(&self, shape: &Swept<'_>, margin: f64) -> Contacts {
-        let pair = self.pair(shape);
-        let corners = (0..).zip(shape.core.corners().unwrap_or_default());
-        let mut contacts: Vec<Contact> = corners
-            .map(|(number, &corner)| {
-                self.contact(&pair, shape.radius, &Corner { number, point: pair.b.spot(corner).point })
-            })
-            .collect();
-        contacts.retain(|contact| contact.upper >= -margin);
-        Contacts { normal: to_unit_length(self.direction), contacts }
-    }
-
-    fn contact(&self, pair: &Pair<'_>, radius: [f64; 2], corner: &Corner) -> Contact {
+    pub(super) fn contact(&self, pair: &Pair<'_>, radius: [f64; 2], corner: &Corner) -> Contact {
         let normal = to_unit_length(self.direction);
         let [low, high] = self.height(pair, &corner.point);
         let [lower, upper] = [below(radius[0] - high), above(radius[1] - low)];

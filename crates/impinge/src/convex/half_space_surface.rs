@@ -5,6 +5,7 @@ use std::ops::ControlFlow::{self, Continue};
 use super::HalfSpace;
 use super::depth::Depth;
 use super::distance::Separation;
+use super::facing::Corner;
 use super::manifold::Contacts;
 use super::posed::{Core, Pair, Swept};
 use super::surface::{Surface, corners_of_box};
@@ -68,19 +69,31 @@ impl HalfSpace<'_> {
         best
     }
 
-    /// Returns the contacts of the corners of a mesh that are in the half-space, or at most
-    /// `margin` above it, sorted by face.
-    pub(crate) fn contacts_of_surface(&self, surface: &Surface<'_>, margin: f64) -> Vec<(u32, Contacts)> {
-        let mut found = Vec::new();
-        self.faces(surface, margin, |number, face, cut| {
-            let contacts = self.contacts_of_corners(face, margin);
-            if !contacts.contacts.is_empty() {
-                found.push((number, contacts));
-            }
+    /// Returns the contacts of the vertices of a mesh's faces that are in the half-space, or at
+    /// most `margin` above it. Of several vertices at one position only the first is a contact.
+    ///
+    /// # Complexity
+    /// O(n) for n faces that are that near.
+    pub(crate) fn contacts_of_surface(&self, surface: &Surface<'_>, margin: f64) -> Contacts {
+        let mesh = surface.mesh;
+        let Some(corners) = mesh.local_bounds().map(corners_of_box) else { return self.no_contacts() };
+        let bounds = Swept { core: Core::Points(&corners), pose: surface.pose, radius: [0.0; 2] };
+        let pair = self.pair(&bounds);
+        let first_at = &mesh.topology().first_at;
+        let mut vertices = Vec::new();
+        self.faces(surface, margin, |face, _, cut| {
+            vertices.extend(mesh.faces()[face as usize].map(|vertex| first_at[vertex as usize]));
             cut
         });
-        found.sort_by_key(|found| found.0);
-        found
+        vertices.sort_unstable();
+        vertices.dedup();
+        let corner = |number: u32| Corner { number, point: pair.b.spot(mesh.positions().get(number as usize)).point };
+        let contacts = vertices.into_iter().map(|vertex| self.contact(&pair, [0.0; 2], &corner(vertex)));
+        Contacts { contacts: contacts.filter(|contact| contact.upper >= -margin).collect(), ..self.no_contacts() }
+    }
+
+    fn no_contacts(&self) -> Contacts {
+        Contacts { normal: self.unit_normal(), contacts: Vec::new() }
     }
 
     fn search(&self, surface: &Surface<'_>, cut: f64, mut visit: impl FnMut(&Swept<'_>, f64) -> f64) {

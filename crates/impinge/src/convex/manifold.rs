@@ -17,17 +17,20 @@
 use super::depth::{Effort, depth_in_order};
 use super::distance::{above, below};
 use super::facets::Facets;
-use super::facing::facing;
-use super::overlap::{Feature, Over, is_one_place, overlap};
-use super::posed::{Pair, Swept};
+use super::facing::{Facing, facet_normals, facing, facing_facets};
+use super::overlap::{Feature, Over, is_one_place, overlap, shadow_tolerance};
+use super::posed::{Pair, Posed, Swept};
 use crate::math::relative::UNIT_ROUNDOFF;
-use crate::math::vec3::{cross, dot, sub};
+use crate::math::vec3::dot;
 
 /// A swept core, with the facets of the core if it is a polytope.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Faceted<'a> {
     pub(crate) swept: Swept<'a>,
     pub(crate) facets: Option<&'a Facets>,
+    /// Whether all facets that lean towards a normal are in contact along it, as for the part of a
+    /// curved surface. Otherwise only the one that leans most is.
+    pub(crate) has_all_facets: bool,
 }
 
 /// A contact in the world frame: a point on either shape, an interval for the depth in world units,
@@ -66,57 +69,17 @@ impl Contacts {
         self
     }
 
-    /// Keeps at most `max_contacts` contacts, and at least one, sorted by features. It keeps the
-    /// deepest, then the farthest from it, then repeatedly the contact that adds the most area.
-    pub(crate) fn keep(&mut self, max_contacts: usize) {
-        if self.contacts.len() > max_contacts {
-            let mut rest = std::mem::take(&mut self.contacts);
-            while self.contacts.len() < max_contacts.max(1) && !rest.is_empty() {
-                let worth = |contact: &Contact| self.worth(contact);
-                let best = (0..rest.len()).max_by(|&i, &j| {
-                    worth(&rest[i]).total_cmp(&worth(&rest[j])).then(unordered(&rest[j]).cmp(&unordered(&rest[i])))
-                });
-                let contact = rest.swap_remove(best.unwrap_or(0));
-                self.contacts.push(contact);
-            }
-        }
-        self.contacts.sort_by_key(|contact| contact.features);
+    /// Returns the greatest upper bound of a depth.
+    pub(super) fn deepest(&self) -> f64 {
+        self.contacts.iter().map(|contact| contact.upper).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Returns the value of a contact beside the kept ones. It is the same for the shapes in either
+    /// Returns twice the midpoint of the first contact, which is the same for the shapes in either
     /// order.
-    fn worth(&self, contact: &Contact) -> f64 {
-        // Twice the midpoint of the two points.
-        let middle =
-            |contact: &Contact| -> [f64; 3] { std::array::from_fn(|k| contact.points[0][k] + contact.points[1][k]) };
-        let at = middle(contact);
-        match &self.contacts[..] {
-            [] => contact.upper,
-            [first] => {
-                let from = sub(&at, &middle(first));
-                dot(&from, &from)
-            }
-            [first, second] => {
-                let (p, q) = (middle(first), middle(second));
-                dot(&cross(&sub(&at, &p), &sub(&at, &q)), &self.normal).abs()
-            }
-            [first, second, third, ..] => {
-                // Distance beyond the side of the triangle for which it is largest.
-                let corners = [first, second, third].map(middle);
-                let side = |i: usize| sub(&corners[(i + 1) % 3], &corners[i]);
-                let turn = dot(&cross(&side(0), &sub(&corners[2], &corners[0])), &self.normal).signum();
-                let beyond = |i: usize| -turn * dot(&cross(&side(i), &sub(&at, &corners[i])), &self.normal);
-                beyond(0).max(beyond(1)).max(beyond(2))
-            }
-        }
+    pub(super) fn middle_of_first(&self) -> [f64; 3] {
+        let [p, q] = self.contacts.first().map_or([[0.0; 3]; 2], |contact| contact.points);
+        std::array::from_fn(|k| p[k] + q[k])
     }
-}
-
-/// Returns a contact's features, the lesser first.
-fn unordered(contact: &Contact) -> [Feature; 2] {
-    let mut features = contact.features;
-    features.sort();
-    features
 }
 
 /// Returns the contacts of two shapes along a direction of length 1 from the first to the second.
@@ -129,35 +92,85 @@ pub(super) fn contacts_along(a: &Faceted<'_>, b: &Faceted<'_>, normal: [f64; 3],
     overlapping(&Pair::new(&b.swept, &a.swept), [b, a], normal.map(|x| 0.0 - x), margin).swapped()
 }
 
+/// Returns the contacts of two shapes along the normal of each facet of either, the least deep
+/// first. Normals along which nothing is at most `margin` apart are left out.
+pub(crate) fn contacts_along_facets(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Vec<Contacts> {
+    let pair = Pair::new(&a.swept, &b.swept);
+    let normals =
+        |set: &Posed<'_>, shape: &Faceted<'_>| shape.facets.map_or(Vec::new(), |facets| facet_normals(set, facets));
+    let opposite = normals(&pair.b, b).into_iter().map(|normal| normal.map(|x| 0.0 - x));
+    let normals = normals(&pair.a, a).into_iter().chain(opposite);
+    let mut found: Vec<Contacts> = normals.map(|normal| contacts_along(a, b, normal, margin)).collect();
+    found.retain(|found| !found.contacts.is_empty());
+    found.sort_by(|x, y| x.deepest().total_cmp(&y.deepest()));
+    found
+}
+
 fn overlapping(pair: &Pair<'_>, shapes: [&Faceted<'_>; 2], normal: [f64; 3], margin: f64) -> Contacts {
-    let facing_a = facing(&pair.a, shapes[0].facets, normal);
-    let facing_b = facing(&pair.b, shapes[1].facets, normal.map(|x| -x));
-    let mut contacts = measured(pair, shapes, &normal, overlap(&facing_a, &facing_b, &normal));
+    let (_, over) = facing_overlap(pair, shapes, &normal);
+    let mut contacts = measured(pair, shapes, &normal, over);
     contacts.retain(|contact| contact.upper >= -margin);
     Contacts { normal, contacts }
 }
 
+/// Returns the features that face each other along a direction, and the places where the facing
+/// parts lie over each other. Of several facing facets the first names the feature.
+fn facing_overlap(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3]) -> ([Feature; 2], Vec<Over>) {
+    let facing_a = all_facing(&pair.a, a, *normal);
+    let facing_b = all_facing(&pair.b, b, normal.map(|x| -x));
+    let near = shadow_tolerance(pair, smaller_size(pair, [a, b]));
+    let mut over = Vec::new();
+    for part_a in &facing_a {
+        for part_b in &facing_b {
+            over.extend(overlap(part_a, part_b, normal, near));
+        }
+    }
+    ([facing_a[0].feature(), facing_b[0].feature()], over)
+}
+
+/// Returns the facets that lean towards a direction, the one that leans most first, or the one part
+/// of the shape that faces it.
+fn all_facing(set: &Posed<'_>, shape: &Faceted<'_>, direction: [f64; 3]) -> Vec<Facing> {
+    match shape.facets {
+        Some(facets) if shape.has_all_facets => facing_facets(set, facets, direction),
+        facets => vec![facing(set, facets, direction)],
+    }
+}
+
 fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts {
     let pair = Pair::new(&a.swept, &b.swept);
+    let size = smaller_size(&pair, [a, b]);
     let depth = |effort| depth_in_order(&pair, &a.swept, &b.swept, effort);
-    let mut found = depth(Effort::CONTACT);
-    if found.depth.upper - found.depth.lower > MAX_CONTACT_WIDTH * pair.unit {
+    let mut found = depth(Effort::CONTACT.for_size(size));
+    if found.depth.upper - found.depth.lower > MAX_CONTACT_WIDTH * size * pair.unit {
         found = depth(Effort::ROUND_DEPTH);
     }
     let normal = found.depth.normal;
-    let facing_a = facing(&pair.a, a.facets, normal);
-    let facing_b = facing(&pair.b, b.facets, normal.map(|x| -x));
-    let mut over = overlap(&facing_a, &facing_b, &normal);
+    let (features, mut over) = facing_overlap(&pair, [a, b], &normal);
     let height = |over: &Over| dot(&normal, &over.points[0]) - dot(&normal, &over.points[1]);
-    let witness = Over { points: found.core, features: [facing_a.feature(), facing_b.feature()] };
+    let witness = Over { points: found.core, features };
     let deepest = over.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
-    if deepest.is_nan() || deepest < height(&witness) - MIN_WITNESS_EXCESS {
+    if deepest.is_nan() || deepest < height(&witness) - MIN_WITNESS_EXCESS * size - pair.point_error() {
         over.push(witness);
     }
     let mut contacts = measured(&pair, [a, b], &normal, over);
+    if found.depth.upper == 0.0 {
+        // The shapes are proved to reach no farther than to each other along the normal.
+        for contact in &mut contacts {
+            (contact.lower, contact.upper) = (contact.lower.min(0.0), contact.upper.min(0.0));
+        }
+    }
     let deepest = contacts.iter().map(|contact| contact.upper).fold(f64::NEG_INFINITY, f64::max);
     contacts.retain(|contact| contact.upper >= -margin || contact.upper == deepest);
     Contacts { normal, contacts }
+}
+
+/// Returns the size of the smaller one of two shapes, in the common unit: at most 1, and not so
+/// small that a point would have no tolerance at all.
+fn smaller_size(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2]) -> f64 {
+    const MIN_SIZE: f64 = 1.0 / (1 << 28) as f64;
+    let size = |set: &Posed<'_>, shape: &Faceted<'_>| set.reach() + shape.swept.radius[1] / pair.unit;
+    size(&pair.a, a).min(size(&pair.b, b)).clamp(MIN_SIZE, 1.0)
 }
 
 /// Converts points over each other to contacts, the deepest first. Of several contacts in one
@@ -165,6 +178,7 @@ fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts 
 fn measured(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3], over: Vec<Over>) -> Vec<Contact> {
     let height = |over: &Over| dot(normal, &over.points[0]) - dot(normal, &over.points[1]);
     let error = heights_error(pair);
+    let near = shadow_tolerance(pair, smaller_size(pair, [a, b]));
     let mut sorted: Vec<(f64, Over)> = over.into_iter().map(|over| (height(&over), over)).collect();
     sorted.sort_by(|x, y| y.0.total_cmp(&x.0).then(rank(&x.1).cmp(&rank(&y.1))));
     let (radius_a, radius_b) = (a.swept.radius, b.swept.radius);
@@ -172,7 +186,7 @@ fn measured(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3], over:
     let mut contacts = Vec::new();
     for (height, Over { points, features }) in sorted {
         let is_named = contacts.iter().any(|contact: &Contact| contact.features == features);
-        if is_named || places.iter().any(|place| is_one_place(place, &points[0])) {
+        if is_named || places.iter().any(|place| is_one_place(place, &points[0], near)) {
             continue;
         }
         places.push(points[0]);
@@ -189,12 +203,12 @@ fn measured(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3], over:
     contacts
 }
 
-/// Width of an interval of depths, in the common unit, above which the depth is computed with full
-/// effort: 2^-13. Round shapes that are deep in each other reach it.
+/// Width of an interval of depths, relative to the smaller shape, above which the depth is computed
+/// with full effort: 2^-13. Round shapes that are deep in each other reach it.
 const MAX_CONTACT_WIDTH: f64 = 1.0 / (1 << 13) as f64;
 
-/// Minimum extra depth of the witness over all points of the clipped polygons, in the common unit,
-/// for the witness to become a contact: 2^-20.
+/// Minimum extra depth of the witness over all points of the clipped polygons, relative to the
+/// smaller shape, for the witness to become a contact: 2^-20.
 const MIN_WITNESS_EXCESS: f64 = 1.0 / (1 << 20) as f64;
 
 /// Returns a bound on the error of the height of one mean of corners over another, relative to

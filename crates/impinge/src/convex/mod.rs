@@ -11,7 +11,9 @@
 //! - `boxes` decides intersection and depth of two boxes in closed form, if floats are certain;
 //! - `half_space` compares shapes with planes;
 //! - `manifold` computes the points of a contact, from the `facets` of polytopes, the parts
-//!   `facing` along the normal, and their `overlap`.
+//!   `facing` along the normal, and their `overlap`; `reduction` keeps a few of them;
+//! - `piece` divides the touched part of a mesh into convex pieces, whose contacts
+//!   `surface_contacts` returns.
 //!
 //! The errors are derived in docs/notes/proof.md, L20 to L22, L28 and L29. The tests are in
 //! `tests/it/shapes`, and the benchmark is `shapes` in `impinge-bench`.
@@ -32,7 +34,9 @@ mod half_space_surface;
 mod manifold;
 mod min_norm;
 mod overlap;
+mod piece;
 mod posed;
+mod reduction;
 mod simplex;
 mod surface;
 mod surface_contacts;
@@ -41,8 +45,9 @@ pub(crate) use depth::{Depth, depth};
 pub(crate) use distance::{Coherence, Separation, nearness, nearness_from, parting, separation};
 pub(crate) use facets::Facets;
 pub(crate) use half_space::HalfSpace;
-pub(crate) use manifold::{Contact, Contacts, Faceted, contacts};
+pub(crate) use manifold::{Contact, Contacts, Faceted, contacts, contacts_along_facets};
 pub use overlap::Feature;
+pub(crate) use piece::{Body, Found, OrientedFace, contacts_of_bodies, pieces, unresolved};
 pub use posed::Support;
 pub(crate) use posed::{Core, Swept, to_unit_entries, to_unit_length};
 pub(crate) use simplex::nearest as nearest_of_hull;

@@ -10,11 +10,18 @@
 //! rounding, whatever the shadows look like.
 
 use super::facing::{Corner, Facing};
+use super::posed::Pair;
 use crate::math::vec3::{cross, dot, length, sub};
 
-/// Maximum distance in the shadows, in the common unit, of points that count as lying over each
-/// other: 2^-30. It keeps corners that touch borders.
+/// Maximum distance in the shadows, relative to the smaller set, of points that count as lying over
+/// each other: 2^-30. It keeps corners that touch borders.
 const SHADOW_TOLERANCE: f64 = 1.0 / (1 << 30) as f64;
+
+/// Returns the distance in the shadows, in the common unit, up to which points count as lying over
+/// each other, for two sets of which the smaller one has the given size.
+pub(super) fn shadow_tolerance(pair: &Pair<'_>, size: f64) -> f64 {
+    SHADOW_TOLERANCE * size + pair.point_error()
+}
 
 /// A corner, an edge or a facet of a shape, named by a number, or by two ascending numbers for an
 /// edge.
@@ -43,9 +50,10 @@ pub(super) struct Over {
 }
 
 /// Returns the places where two facing polygons lie over each other along a normal of length 1.
-pub(super) fn overlap(a: &Facing, b: &Facing, normal: &[f64; 3]) -> Vec<Over> {
+/// `near` is the tolerance of the shadows.
+pub(super) fn overlap(a: &Facing, b: &Facing, normal: &[f64; 3], near: f64) -> Vec<Over> {
     let axes = across(normal);
-    let (a, b) = (Shadow::new(a, &axes), Shadow::new(b, &axes));
+    let (a, b) = (Shadow::new(a, &axes, near), Shadow::new(b, &axes, near));
     let mut found = Vec::new();
     for (at, corner) in a.at.iter().zip(&a.facing.corners) {
         if let Some(point) = b.point_at(at) {
@@ -87,12 +95,14 @@ struct Shadow<'f> {
     at: Vec<[f64; 2]>,
     /// 1 if the corners turn left, -1 if they turn right.
     turn: f64,
+    /// Distance up to which places count as one.
+    near: f64,
 }
 
 impl<'f> Shadow<'f> {
-    fn new(facing: &'f Facing, [x, y]: &[[f64; 3]; 2]) -> Self {
+    fn new(facing: &'f Facing, [x, y]: &[[f64; 3]; 2], near: f64) -> Self {
         let at = facing.corners.iter().map(|corner| [dot(x, &corner.point), dot(y, &corner.point)]).collect();
-        let mut shadow = Self { facing, at, turn: 0.0 };
+        let mut shadow = Self { facing, at, turn: 0.0, near };
         let doubled_area: f64 = shadow.edges().map(|[from, to]| wedge(shadow.at[from], shadow.at[to])).sum();
         shadow.turn = doubled_area.signum();
         shadow
@@ -107,11 +117,11 @@ impl<'f> Shadow<'f> {
         };
         match self.at.len() {
             0 => None,
-            1 => near(place, &self.at[0]).then(|| corner(0)),
+            1 => is_near(place, &self.at[0], self.near).then(|| corner(0)),
             2 => {
                 let weight = share_along(place, &self.at[0], &self.at[1]);
                 let foot: [f64; 2] = std::array::from_fn(|k| (1.0 - weight) * self.at[0][k] + weight * self.at[1][k]);
-                near(place, &foot).then(|| self.on_edge([0, 1], weight))
+                is_near(place, &foot, self.near).then(|| self.on_edge([0, 1], weight))
             }
             count => {
                 // Of the triangles of a fan, uses the one with the place farthest on its inner
@@ -120,7 +130,7 @@ impl<'f> Shadow<'f> {
                     let [p, q] = [self.at[from], self.at[to]];
                     let edge = [q[0] - p[0], q[1] - p[1]];
                     self.turn * wedge(edge, [place[0] - p[0], place[1] - p[1]])
-                        < -SHADOW_TOLERANCE * (edge[0].abs() + edge[1].abs())
+                        < -self.near * (edge[0].abs() + edge[1].abs())
                 };
                 if self.edges().any(|[from, to]| is_outside(from, to)) {
                     return None;
@@ -178,8 +188,8 @@ fn share_along(place: &[f64; 2], from: &[f64; 2], to: &[f64; 2]) -> f64 {
     if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
 }
 
-fn near(p: &[f64; 2], q: &[f64; 2]) -> bool {
-    (p[0] - q[0]).abs() <= SHADOW_TOLERANCE && (p[1] - q[1]).abs() <= SHADOW_TOLERANCE
+fn is_near(p: &[f64; 2], q: &[f64; 2], near: f64) -> bool {
+    (p[0] - q[0]).abs() <= near && (p[1] - q[1]).abs() <= near
 }
 
 fn wedge(p: [f64; 2], q: [f64; 2]) -> f64 {
@@ -196,6 +206,6 @@ pub(super) fn across(normal: &[f64; 3]) -> [[f64; 3]; 2] {
 }
 
 /// Reports whether two points are one place up to the tolerance of the shadows.
-pub(super) fn is_one_place(p: &[f64; 3], q: &[f64; 3]) -> bool {
-    sub(p, q).iter().all(|x| x.abs() <= 16.0 * SHADOW_TOLERANCE)
+pub(super) fn is_one_place(p: &[f64; 3], q: &[f64; 3], near: f64) -> bool {
+    sub(p, q).iter().all(|x| x.abs() <= 16.0 * near)
 }

@@ -84,15 +84,6 @@ impl<'a> Surface<'a> {
         best
     }
 
-    /// Returns the faces that are not proved to be farther than `margin` from a convex set, in
-    /// ascending order.
-    pub(crate) fn faces_within(&self, shape: &Swept<'_>, margin: f64) -> Vec<u32> {
-        let mut search = Within { surface: self, shape, margin, faces: Vec::new() };
-        self.search(shape, |beside| Bounded { beside, search: &mut search });
-        search.faces.sort_unstable();
-        search.faces
-    }
-
     /// Returns the position of a point of the set's core relative to the mesh, if the mesh is
     /// solid, otherwise `Outside`. If no face intersects the core, the answer holds for the whole
     /// core.
@@ -126,7 +117,7 @@ pub(super) fn corners_of_box(bounds: [[f64; 3]; 2]) -> [[f64; 3]; 8] {
 }
 
 /// A convex set in the common frame of it and a mesh, prepared for bounds on the mesh's boxes.
-struct Beside<'p> {
+pub(super) struct Beside<'p> {
     pair: &'p Pair<'p>,
     /// Least and greatest coordinate of the set's box on each axis, in the common frame.
     bounds: [[f64; 2]; 3],
@@ -137,7 +128,7 @@ struct Beside<'p> {
 }
 
 impl<'p> Beside<'p> {
-    fn new(pair: &'p Pair<'p>, radius: f64) -> Self {
+    pub(super) fn new(pair: &'p Pair<'p>, radius: f64) -> Self {
         let radius = above(radius / pair.unit);
         let error = pair.point_error();
         let bounds = std::array::from_fn(|k| {
@@ -160,7 +151,7 @@ impl<'p> Beside<'p> {
 
     /// Returns a lower bound on the distance, in world units, between the set and a box of the
     /// mesh's frame.
-    fn bound(&self, center: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
+    pub(super) fn bound(&self, center: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
         let at = self.pair.a.spot(*center).point;
         let linear = self.pair.a.pose().linear();
         let scale = 1.0 / self.pair.unit;
@@ -177,6 +168,22 @@ impl<'p> Beside<'p> {
             gap = gap.max(lowest - (dot(&direction, &at) + reach));
         }
         (below(gap) - 8.0 * self.error) * self.pair.unit
+    }
+
+    /// Returns the center of the set's box, in the common frame.
+    pub(super) fn center(&self) -> [f64; 3] {
+        self.bounds.map(|[least, greatest]| 0.5 * least + 0.5 * greatest)
+    }
+
+    /// Returns a lower bound on the distance, in world units, between the set and the hull of some
+    /// points of the common frame.
+    pub(super) fn gap_of_points(&self, points: &[[f64; 3]]) -> f64 {
+        let gap = |k: usize| {
+            let ends = |(least, greatest): (f64, f64), point: &[f64; 3]| (least.min(point[k]), greatest.max(point[k]));
+            let (least, greatest) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+            f64::max(self.bounds[k][0] - greatest, least - self.bounds[k][1])
+        };
+        (below(gap(0).max(gap(1)).max(gap(2))) - 8.0 * self.error) * self.pair.unit
     }
 }
 
@@ -279,26 +286,5 @@ impl Search for Separating<'_, '_> {
             self.best.proximity = Proximity::Undecided;
         }
         Continue(self.direction.filter(|_| is_better))
-    }
-}
-
-struct Within<'a, 'q> {
-    surface: &'q Surface<'a>,
-    shape: &'q Swept<'q>,
-    margin: f64,
-    faces: Vec<u32>,
-}
-
-impl Search for Within<'_, '_> {
-    fn cut(&self) -> f64 {
-        self.margin
-    }
-
-    fn visit(&mut self, face: u32) -> ControlFlow<(), Option<[f64; 3]>> {
-        let corners = self.surface.mesh.corners(face);
-        if nearness(&self.surface.face(&corners), self.shape, self.margin) != Proximity::Apart {
-            self.faces.push(face);
-        }
-        Continue(None)
     }
 }

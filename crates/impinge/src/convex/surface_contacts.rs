@@ -1,153 +1,186 @@
-//! The contacts of a mesh and a convex set: contacts of the faces near the set, merged by their
-//! normals.
+//! The contacts of a mesh and a convex set: the contacts of the convex pieces of the touched part
+//! of the surface.
 //!
-//! A face alone does not know its neighbors: the shortest way out of a floor's triangle may lead
-//! sideways, through the next triangle. So the normal of a face's contact is used only if no face
-//! at the touched corners reaches farther along it. Otherwise the face's own normal is used, and
-//! only the part of the set over the face counts. Corners inside the set belong to faces that
-//! intersect it, so all faces at these corners have been found.
+//! Faces that may touch the set are found through the tree. They are divided into convex pieces
+//! (`piece`). Each piece has the contacts of two convex sets. Of these, the ones remain that are
+//! not resolved by shallower ones (`piece::resolve`).
 //!
 //! # Source
-//! The problem is known as internal edges, or ghost collisions. Catto (*Box2D*,
-//! `b2_collide_edge.cpp`) and Rouwe (*Jolt*, active edges) classify edges in advance; here corners
-//! are examined when they are touched.
+//! Contacts with single triangles are known to be wrong at internal edges (ghost collisions). Catto
+//! (*Box2D*, `b2_collide_edge.cpp`) and Rouwe (*Jolt*, active edges) classify edges in advance.
+//! Here the neighborhood of the contact is one convex set.
 //!
-//! The tests are in `tests/it/shapes/surfaces.rs`, among them
-//! `contacts_on_a_floor_of_triangles_have_one_normal`.
+//! The tests are in `tests/it/shapes/mesh_contacts.rs` and `tests/it/shapes/surfaces.rs`.
 
-use std::collections::HashMap;
+use std::ops::ControlFlow::{self, Continue};
 
-use super::manifold::{Contact, Contacts, Faceted, contacts, contacts_along};
+use super::distance::{above, below, nearness};
+use super::manifold::{Contact, Contacts, Faceted, contacts};
 use super::overlap::Feature;
-use super::posed::to_unit_length;
-use super::surface::Surface;
+use super::piece::{Body, Found, OrientedFace, contacts_of_bodies, pieces, unresolved};
+use super::posed::{Core, Pair, Swept, to_unit_length};
+use super::surface::{Beside, Surface, corners_of_box};
 use super::{Facets, HalfSpace};
-use crate::math::relative::UNIT_ROUNDOFF;
-use crate::math::vec3::{cross, dot, sub};
+use crate::math::vec3::{cross, dot, length, sub};
+use crate::mesh::FaceSearch;
+use crate::primitive::closest_on_triangle;
+use crate::volume::Proximity;
 
-/// Minimum cosine of the angle between normals that count as one: 2.5 degrees.
-const SAME_NORMAL_COSINE: f64 = 1.0 - 1.0 / 1_024.0;
+/// Depth that counts as none beside other contacts, relative to the size of the set: 2^-28.
+const NO_DEPTH: f64 = 1.0 / (1 << 28) as f64;
 
-/// Touched positions of a mesh, by the bits of their coordinates, with their faces. Duplicate
-/// vertices are one position.
-type Corners = HashMap<[u64; 3], Vec<u32>>;
+/// Difference of two distances, in the common unit, that count as equal: 2^-36.
+const SAME_DISTANCE: f64 = 1.0 / (1_u64 << 36) as f64;
 
 impl Surface<'_> {
     /// Returns the contacts of this mesh, which comes first, with a convex set that is at most
-    /// `margin` away, in world units. There is at least one if the set is that near.
+    /// `margin` away, in world units. There is at least one if a face is that near.
     pub(crate) fn contacts(&self, shape: &Faceted<'_>, margin: f64) -> Vec<Contacts> {
-        let faces = self.faces_within(&shape.swept, margin);
-        let mut about: Corners = HashMap::new();
-        for &face in &faces {
-            for corner in self.mesh.corners(face) {
-                about.entry(key(&corner)).or_default().push(face);
+        let touched = self.touched(&shape.swept, margin);
+        let place = |piece| Body::of_piece(piece, self.pose, &touched);
+        let mut bodies: Vec<Body<'_>> = pieces(self.mesh, &touched).into_iter().filter_map(place).collect();
+        let mut set = [Body::Convex(*shape)];
+        let mut found = Vec::new();
+        for (number, body) in bodies.iter_mut().enumerate() {
+            if let Some(contacts) =
+                contacts_of_bodies(body, &mut set[0], margin).filter(|found| found.deepest() >= -margin)
+            {
+                found.push(Found { contacts, bodies: [number, 0] });
             }
         }
-        let mut found: Vec<Contacts> = Vec::new();
-        let mut alone: Option<Contacts> = None;
-        for &face in &faces {
-            let corners = self.mesh.corners(face);
-            let facets = Facets::of_points(&corners);
-            let faceted = Faceted { swept: self.face(&corners), facets: facets.as_ref() };
-            let mut of_face = contacts(&faceted, shape, margin);
-            let is_outermost = self.is_outermost(&about, &corners, &of_face.normal);
-            if !is_outermost {
-                let outward = self.normal_towards(&corners, &of_face.normal);
-                let own = outward.map(|normal| contacts_along(&faceted, shape, normal, margin));
-                if alone.as_ref().is_none_or(|alone| deepest(&of_face) > deepest(alone)) {
-                    alone = Some(self.renamed(of_face, face));
-                }
-                let Some(own) = own.filter(|own| !own.contacts.is_empty()) else { continue };
-                of_face = own;
-            }
-            merge(&mut found, self.renamed(of_face, face));
+        if found.is_empty() {
+            return self.deepest_of_faces(shape, margin, &touched).into_iter().collect();
         }
-        if found.is_empty() { alone.into_iter().collect() } else { found }
+        let [min, max] = shape.swept.world_bounds();
+        unresolved(found, [&bodies, &set], NO_DEPTH * length(&sub(&max, &min)))
     }
 
+    /// Returns the contacts of the face with the deepest ones, of those that are not proved to be
+    /// farther than `margin`. Faces without area are faces here.
+    fn deepest_of_faces(&self, shape: &Faceted<'_>, margin: f64, faces: &[OrientedFace]) -> Option<Contacts> {
+        let mut best: Option<Contacts> = None;
+        for &OrientedFace { face, .. } in faces {
+            let corners = self.mesh.corners(face);
+            let swept = self.face(&corners);
+            if nearness(&swept, &shape.swept, margin) == Proximity::Apart {
+                continue;
+            }
+            let facets = Facets::of_points(&corners);
+            let faceted = Faceted { swept, facets: facets.as_ref(), has_all_facets: false };
+            let mut found = contacts(&faceted, shape, margin);
+            let vertices = self.mesh.faces()[face as usize];
+            let vertex = |corner: u32| vertices[corner as usize];
+            for Contact { features, .. } in &mut found.contacts {
+                features[0] = match features[0] {
+                    Feature::Vertex(corner) => Feature::Vertex(vertex(corner)),
+                    Feature::Edge(p, q) => Feature::Edge(vertex(p).min(vertex(q)), vertex(p).max(vertex(q))),
+                    Feature::Face(_) => Feature::Face(face),
+                };
+            }
+            if best.as_ref().is_none_or(|best| found.deepest() > best.deepest()) {
+                best = Some(found);
+            }
+        }
+        best
+    }
+
+    /// Returns all faces that are within `margin` of a convex set, and maybe others that are near,
+    /// the nearest to the set's center first. Each is oriented as its corners are ordered if the
+    /// mesh is solid, or else so that the center is outside. That is right for the nearest face,
+    /// and `pieces` carries it over to the neighbors.
+    fn touched(&self, shape: &Swept<'_>, margin: f64) -> Vec<OrientedFace> {
+        let Some(corners) = self.mesh.local_bounds().map(corners_of_box) else { return Vec::new() };
+        let bounds = Swept { core: Core::Points(&corners), pose: self.pose, radius: [0.0; 2] };
+        let pair = Pair::new(&bounds, shape);
+        let beside = Beside::new(&pair, shape.radius[1]);
+        let radius = above(shape.radius[1] / pair.unit);
+        let heights = ([0.0; 3], [0.0; 2]);
+        let mut search = Touching { surface: self, pair: &pair, beside, radius, margin, heights, found: Vec::new() };
+        self.mesh.search(&mut search);
+        let mut found = search.found;
+        found.sort_unstable_by(|x, y| x.away.total_cmp(&y.away).then(x.face.face.cmp(&y.face.face)));
+        // Of the faces around the nearest corner or edge, the one whose plane is farthest from the
+        // center tells its side (Ericson, *Real-Time Collision Detection*, 5.1.5).
+        let mut start = 0;
+        while start < found.len() {
+            let run = found[start..].iter().take_while(|near| near.away <= found[start].away + SAME_DISTANCE).count();
+            found[start..start + run].sort_by(|x, y| y.height.total_cmp(&x.height));
+            start += run;
+        }
+        found.into_iter().map(|near| near.face).collect()
+    }
+}
+
+/// Search for the faces that may touch a set.
+struct Touching<'q> {
+    surface: &'q Surface<'q>,
+    pair: &'q Pair<'q>,
+    beside: Beside<'q>,
+    radius: f64,
+    margin: f64,
+    /// A direction, and the least and greatest height of the set along it.
+    heights: ([f64; 3], [f64; 2]),
+    found: Vec<Near>,
+}
+
+/// A face near a set.
+struct Near {
+    /// Distance of the face from the center of the set, in the common unit.
+    away: f64,
+    /// Distance of the face's plane from the center.
+    height: f64,
+    face: OrientedFace,
+}
+
+impl FaceSearch for Touching<'_> {
+    fn bound(&self, center: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
+        self.beside.bound(center, half_extents)
+    }
+
+    fn cut(&self) -> f64 {
+        self.margin
+    }
+
+    fn visit(&mut self, face: u32) -> ControlFlow<()> {
+        let corners = self.surface.mesh.corners(face).map(|corner| self.pair.a.spot(corner).point);
+        if self.beside.gap_of_points(&corners) > self.margin {
+            return Continue(());
+        }
+        let area = cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0]));
+        let turn = if self.surface.pose.mirrors() { -1.0 } else { 1.0 };
+        let normal = to_unit_length(area.map(|x| turn * x));
+        let [lowest, highest] = self.set_along(normal);
+        let level = dot(&normal, &corners[0]);
+        let (over, under) = (highest - level, level - lowest);
+        let less = over.min(under);
+        if area != [0.0; 3] && (below(less) + 16.0 * self.pair.height_error(normal)) * self.pair.unit < -self.margin {
+            return Continue(());
+        }
+        let center = self.beside.center();
+        let height = dot(&normal, &sub(&center, &corners[0]));
+        let is_flipped = !self.surface.is_solid && height < 0.0;
+        let away = closest_on_triangle(&center, &corners).distance;
+        self.found.push(Near { away, height: height.abs(), face: OrientedFace { face, is_flipped } });
+        Continue(())
+    }
+}
+
+impl Touching<'_> {
+    /// Returns the least and the greatest height of the set along a direction. Neighboring faces
+    /// often have the same one.
+    fn set_along(&mut self, direction: [f64; 3]) -> [f64; 2] {
+        if self.heights.0 != direction {
+            let height = |direction: [f64; 3]| dot(&direction, &self.pair.b.support(direction).point) + self.radius;
+            self.heights = (direction, [-height(direction.map(|x| -x)), height(direction)]);
+        }
+        self.heights.1
+    }
+}
+
+impl Surface<'_> {
     /// Returns the contacts of a half-space, which comes first, with this mesh.
     pub(crate) fn contacts_with_half_space(&self, half_space: &HalfSpace<'_>, margin: f64) -> Vec<Contacts> {
-        let mut found: Vec<Contacts> = Vec::new();
-        for (face, contacts) in half_space.contacts_of_surface(self, margin) {
-            merge(&mut found, self.renamed(contacts.swapped(), face));
-        }
-        found.into_iter().map(Contacts::swapped).collect()
+        let contacts = half_space.contacts_of_surface(self, margin);
+        if contacts.contacts.is_empty() { Vec::new() } else { vec![contacts] }
     }
-
-    /// Reports whether no face reaches farther along a direction than this face. Only the faces at
-    /// the corners that reach farthest are compared.
-    fn is_outermost(&self, about: &Corners, corners: &[[f64; 3]; 3], direction: &[f64; 3]) -> bool {
-        let world = corners.map(|corner| self.pose.apply(corner));
-        let heights = world.map(|corner| dot(direction, &corner));
-        let highest = heights.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        // A slightly higher corner does not count, as in a floor whose corners were rounded.
-        let size = (0..3).map(|k| (world[1][k] - world[0][k]).abs() + (world[2][k] - world[0][k]).abs()).sum::<f64>();
-        let far = world.iter().flatten().map(|x| x.abs()).fold(0.0, f64::max);
-        let slack = size / 1_024.0 + 64.0 * UNIT_ROUNDOFF * far;
-        let touched = corners.iter().zip(heights).filter(|(_, height)| *height >= highest - slack);
-        touched.into_iter().all(|(corner, _)| {
-            about.get(&key(corner)).into_iter().flatten().all(|&face| {
-                let others = self.mesh.corners(face).map(|corner| dot(direction, &self.pose.apply(corner)));
-                others.iter().all(|&height| height <= highest + slack)
-            })
-        })
-    }
-
-    /// Returns the normal of a face in the world frame. It points outwards if the mesh is solid,
-    /// otherwise to the side of `direction`. Returns `None` for a face without area.
-    fn normal_towards(&self, corners: &[[f64; 3]; 3], direction: &[f64; 3]) -> Option<[f64; 3]> {
-        let [p, q, r] = corners.map(|corner| self.pose.apply(corner));
-        let area = cross(&sub(&q, &p), &sub(&r, &p));
-        if area == [0.0; 3] {
-            return None;
-        }
-        let normal = to_unit_length(area);
-        let is_turned = if self.is_solid { self.pose.mirrors() } else { dot(&normal, direction) < 0.0 };
-        Some(if is_turned { normal.map(|x| 0.0 - x) } else { normal })
-    }
-
-    /// Renames the features of a triangle to features of the mesh: its vertices, its edges by
-    /// vertices, and the face.
-    fn renamed(&self, mut contacts: Contacts, face: u32) -> Contacts {
-        let vertices = self.mesh.faces()[face as usize];
-        let vertex = |corner: u32| vertices[corner as usize];
-        for contact in &mut contacts.contacts {
-            contact.features[0] = match contact.features[0] {
-                Feature::Vertex(corner) => Feature::Vertex(vertex(corner)),
-                Feature::Edge(from, to) => Feature::Edge(vertex(from).min(vertex(to)), vertex(from).max(vertex(to))),
-                Feature::Face(_) => Feature::Face(face),
-            };
-        }
-        contacts
-    }
-}
-
-/// Adds contacts to the contacts with the same normal. Of contacts in one place the deepest stays;
-/// the first wins a tie.
-fn merge(found: &mut Vec<Contacts>, of_face: Contacts) {
-    let Some(same) = found.iter_mut().find(|known| dot(&known.normal, &of_face.normal) >= SAME_NORMAL_COSINE) else {
-        found.push(of_face);
-        return;
-    };
-    if deepest(&of_face) > deepest(same) {
-        same.normal = of_face.normal;
-    }
-    for contact in of_face.contacts {
-        let is_there =
-            |known: &&mut Contact| known.features == contact.features || known.points[1] == contact.points[1];
-        match same.contacts.iter_mut().find(is_there) {
-            Some(known) if contact.upper > known.upper => *known = contact,
-            Some(_) => {}
-            None => same.contacts.push(contact),
-        }
-    }
-}
-
-fn deepest(contacts: &Contacts) -> f64 {
-    contacts.contacts.iter().map(|contact| contact.upper).fold(f64::NEG_INFINITY, f64::max)
-}
-
-fn key(corner: &[f64; 3]) -> [u64; 3] {
-    // Zeros of either sign are one position.
-    corner.map(|x| (x + 0.0).to_bits())
 }

@@ -7,8 +7,9 @@ pub struct ContactOptions {
     /// finds only contacts of things that touch or overlap. Negative numbers and NaN count as zero.
     pub margin: f64,
     /// Maximum number of points of a manifold; zero counts as one. The deepest point is kept first,
-    /// then the point farthest from it, then each time the point that adds the most area. Four
-    /// points, the default, hold a face as firmly as more points do.
+    /// of equally deep ones the one farthest from their middle. Then come the point farthest from
+    /// it, and each time the point that adds the most area. Four points, the default, hold a face
+    /// as firmly as more points do.
     pub most_points: usize,
 }
 

@@ -232,7 +232,7 @@ impl PlacedShape {
             Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.facets(),
             _ => None,
         };
-        Faceted { swept, facets }
+        Faceted { swept, facets, has_all_facets: false }
     }
 
     /// Returns the indices of the parts that may be within `reach` of a box, in ascending order.

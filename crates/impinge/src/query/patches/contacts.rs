@@ -1,47 +1,90 @@
 //! Contacts of the regions in which two meshes intersect.
+//!
+//! On either side of a region are the faces that intersect the other mesh, and the faces at the
+//! vertices that are inside it. They are divided into convex pieces. Two pieces of which faces
+//! intersect have the contacts of two convex sets.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashMap, HashSet};
 
-use super::{PairCrossing, Region, regions_of};
-use crate::convex::{Contact, Contacts, Feature};
+use super::{ContactPatch, PairCrossing, Region, regions_of};
+use crate::convex::{
+    Body, Contact, Contacts, Feature, Found, OrientedFace, Surface, contacts_of_bodies, pieces, unresolved,
+};
 use crate::exact;
-use crate::math::vec3::{cross, dot, sub};
-use crate::mesh::{PlacedMesh, Ray};
+use crate::math::vec3::{length, sub};
+use crate::mesh::PlacedMesh;
 
-/// Returns the contacts of each region in which two meshes intersect.
+/// Depth that counts as none beside other contacts, relative to the size of the smaller mesh:
+/// 2^-28.
+const NO_DEPTH: f64 = 1.0 / (1 << 28) as f64;
+
+/// Returns the contacts of each region in which two meshes intersect, with one normal each. Corners
+/// of faces must be in counterclockwise order seen from outside.
 ///
-/// Each vertex of one mesh that is inside the other gives a contact with the face of the other mesh
-/// that lies over it along the normal. A region without such vertices has a contact at each end of
-/// a piece of its curve, whose depth is at most that of the region.
+/// A region that touches only with faces without area has a contact at each end of a piece of its
+/// curve, whose depth is at most that of the region.
 pub(crate) fn contacts_of_patches(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Vec<Contacts> {
     let placed = [a, b];
+    let near = NO_DEPTH * size(&placed[0]).min(size(&placed[1]));
     let of_region = |region: Region| {
-        let patch = &region.patch;
-        let mut contacts = Vec::new();
-        for side in 0..2 {
-            let (own, other) = (placed[side], placed[1 - side]);
-            // The direction out of the other mesh: against the normal for the first mesh, along it
-            // for the second.
-            let out = if side == 0 { patch.normal.map(|x| -x) } else { patch.normal };
-            for &vertex in &patch.inside[side] {
-                let point = own.world_from_mesh.apply(own.mesh.positions().get(vertex as usize));
-                let Some((t, face)) = cast(other, point, out) else { continue };
-                let there = std::array::from_fn(|k| point[k] + t * out[k]);
-                let slack = t * CAST_ERROR + point.iter().map(|x| x.abs()).sum::<f64>() * CAST_ERROR;
-                let (mut points, mut features) = ([point, there], [Feature::Vertex(vertex), Feature::Face(face)]);
-                if side == 1 {
-                    points.swap(0, 1);
-                    features.swap(0, 1);
-                }
-                contacts.push(Contact { points, lower: t - slack, upper: t + slack, features });
+        let found = of_pieces(placed, &region.patch, near);
+        if !found.is_empty() {
+            return found;
+        }
+        vec![Contacts { normal: region.patch.normal, contacts: contacts_of_curve(placed, &region) }]
+    };
+    regions_of(placed).into_iter().flat_map(of_region).collect()
+}
+
+fn size(placed: &PlacedMesh<'_>) -> f64 {
+    let surface = Surface { mesh: placed.mesh, pose: &placed.world_from_mesh, is_solid: false };
+    surface.world_bounds().map_or(0.0, |[min, max]| length(&sub(&max, &min)))
+}
+
+fn of_pieces(placed: [PlacedMesh<'_>; 2], patch: &ContactPatch, near: f64) -> Vec<Contacts> {
+    let faces = [0, 1].map(|side| faces_of(placed[side], patch, side));
+    let mut piece_of: [HashMap<u32, usize>; 2] = Default::default();
+    let mut bodies: [Vec<Body<'_>>; 2] = Default::default();
+    for side in 0..2 {
+        for piece in pieces(placed[side].mesh, &faces[side]) {
+            let members: Vec<u32> = piece.faces().collect();
+            if let Some(body) = Body::of_piece(piece, &placed[side].world_from_mesh, &faces[side]) {
+                piece_of[side].extend(members.into_iter().map(|face| (face, bodies[side].len())));
+                bodies[side].push(body);
             }
         }
-        if contacts.is_empty() {
-            contacts = contacts_of_curve(placed, &region);
+    }
+    let [of_a, of_b] = &piece_of;
+    let mut pairs: BTreeSet<[usize; 2]> =
+        patch.pairs.iter().filter_map(|[a, b]| Some([*of_a.get(a)?, *of_b.get(b)?])).collect();
+    // A piece that is all inside the other mesh may be in contact with any of its pieces.
+    for side in 0..2 {
+        let crossed: HashSet<usize> = pairs.iter().map(|pair| pair[side]).collect();
+        for inside in (0..bodies[side].len()).filter(|number| !crossed.contains(number)) {
+            let others = 0..bodies[1 - side].len();
+            pairs.extend(others.map(|other| if side == 0 { [inside, other] } else { [other, inside] }));
         }
-        Contacts { normal: patch.normal, contacts }
-    };
-    regions_of(placed).into_iter().map(of_region).collect()
+    }
+    let [bodies_a, bodies_b] = &mut bodies;
+    let mut found = Vec::new();
+    for [a, b] in pairs {
+        if let Some(contacts) = contacts_of_bodies(&mut bodies_a[a], &mut bodies_b[b], 0.0)
+            && contacts.contacts.iter().any(|contact| contact.upper >= 0.0)
+        {
+            found.push(Found { contacts, bodies: [a, b] });
+        }
+    }
+    unresolved(found, [bodies_a, bodies_b], near)
+}
+
+/// Returns the faces of one mesh that are in a region: those that intersect the other mesh, and
+/// those at its vertices inside the other mesh, in ascending order.
+fn faces_of(placed: PlacedMesh<'_>, patch: &ContactPatch, side: usize) -> Vec<OrientedFace> {
+    let inside = patch.inside[side].iter().flat_map(|&vertex| placed.mesh.faces_at(vertex).iter().copied());
+    let mut faces: Vec<u32> = patch.pairs.iter().map(|pair| pair[side]).chain(inside).collect();
+    faces.sort_unstable();
+    faces.dedup();
+    faces.into_iter().map(|face| OrientedFace { face, is_flipped: false }).collect()
 }
 
 /// Returns the ends of the pieces of a region's curve as contacts, with the corners, edges and
@@ -77,22 +120,4 @@ fn contacts_of_curve(placed: [PlacedMesh<'_>; 2], Region { patch, crossings, lin
         contacts.push(Contact { points: [point; 2], lower: 0.0, upper: patch.depth, features });
     }
     contacts
-}
-
-/// Bound on the relative error of the distance along a ray, 2^-38. It includes the error bound of a
-/// ray, 2^-40, and the error of mapping the ray with the inverse of a pose. A smaller value would
-/// make the intervals of depths wrong, a larger one would make them wider.
-const CAST_ERROR: f64 = 1.0 / (1_u64 << 38) as f64;
-
-/// Returns the distance from a point to a mesh's surface along a direction of length 1, with the
-/// face there. Point and direction are in the world frame. Returns `None` if the ray hits nothing.
-fn cast(placed: PlacedMesh<'_>, point: [f64; 3], direction: [f64; 3]) -> Option<(f64, u32)> {
-    let [x, y, z] = *placed.world_from_mesh.linear();
-    let columns = [cross(&y, &z), cross(&z, &x), cross(&x, &y)];
-    let determinant = dot(&x, &columns[0]);
-    let turn = |v: &[f64; 3]| -> [f64; 3] {
-        std::array::from_fn(|j| (columns[0][j] * v[0] + columns[1][j] * v[1] + columns[2][j] * v[2]) / determinant)
-    };
-    let ray = Ray::new(turn(&sub(&point, placed.world_from_mesh.translation())), turn(&direction)).ok()?;
-    placed.mesh.ray_cast(&ray).map(|hit| (hit.t, hit.face))
 }

@@ -1,5 +1,6 @@
 //! Contacts of two things: where they touch or overlap, as a contact solver needs it.
 
+use super::seams::across_seams;
 use super::search::depth_by_search;
 use super::table::{nearness_of_parts, pairs_near, surface_of};
 pub use crate::convex::Feature;
@@ -57,13 +58,18 @@ pub struct ContactId {
 /// - Two convex shapes have one manifold, with the normal of
 ///   [`penetration`](crate::query::penetration()); for round shapes the normal is within 2^-12 of
 ///   it.
-/// - A mesh and a convex shape have one manifold for each normal. The manifolds of faces are merged
-///   if their normals are within 2.5 degrees.
+/// - A mesh and a convex shape have the manifolds of the convex pieces of the touched surface: of
+///   neighboring faces that touch the shape as one convex body would. A piece has no manifold if
+///   the shape leaves it with the shallower contacts, as it leaves the side of a platform when it
+///   is lifted. Manifolds whose normals are within 2.5 degrees are merged. The outside of a solid
+///   is the side from which corners are in counterclockwise order; the outside of a surface is the
+///   side of the shape's center.
 /// - Two half-spaces have one point. Its depth is infinite unless their planes are parallel and
 ///   face each other.
-/// - Two meshes have one manifold for each region in which their surfaces intersect
-///   ([`contact_patches`](crate::query::contact_patches())).
-/// - Compounds have the manifolds of their parts.
+/// - Two meshes have the manifolds of their convex pieces, for each region in which their surfaces
+///   intersect ([`contact_patches`](crate::query::contact_patches())).
+/// - Compounds have the manifolds of their parts. A normal that leads into another part of the same
+///   compound is replaced by that of a facet.
 ///
 /// ```
 /// use impinge::{Pose, Shape, query};
@@ -85,8 +91,10 @@ pub struct ContactId {
 /// deep than points beside them, by 2^-13 of the size.
 ///
 /// # Complexity
-/// The time of [`penetration`](crate::query::penetration()) for each two parts and for each face of
-/// a mesh that is near. Two facing polygons add the product of their numbers of corners.
+/// The time of [`penetration`](crate::query::penetration()) for each two parts and for each convex
+/// piece, and linear time in the number of faces near the other thing. Two facing polygons add the
+/// product of their numbers of corners. The first query of a mesh takes O(n log n) for its
+/// connectivity.
 #[must_use]
 pub fn contacts<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<Manifold> {
     Query::new().contacts(a, b)
@@ -114,8 +122,8 @@ fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<([u32; 
     for numbers in pairs_near(a, b, margin) {
         let (part_a, part_b) = (&a.parts()[numbers[0] as usize], &b.parts()[numbers[1] as usize]);
         if nearness_of_parts(part_a, part_b, margin) != Proximity::Apart {
-            let of_parts = contacts_of_parts(part_a, part_b, margin);
-            found.extend(of_parts.into_iter().map(|contacts| (numbers, contacts)));
+            let of_parts = contacts_of_parts(part_a, part_b, margin).into_iter();
+            found.extend(of_parts.map(|contacts| (numbers, across_seams([a, b], numbers, contacts, margin))));
         }
     }
     found

@@ -2,10 +2,12 @@
 //! contacts.
 //!
 //! `table` chooses the kernel for two parts by their representations. `search` finds the depth of
-//! shapes that are not convex, with `beyond` and `spheres`. `contacts` makes manifolds.
+//! shapes that are not convex, with `beyond` and `spheres`. `contacts` makes manifolds, with
+//! `seams` for those of compounds.
 
 mod beyond;
 pub(super) mod contacts;
+mod seams;
 pub(super) mod search;
 mod spheres;
 pub(super) mod table;

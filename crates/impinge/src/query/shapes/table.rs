@@ -6,6 +6,7 @@
 use crate::budget::Budget;
 use crate::convex::{self, Depth, Separation, Surface};
 use crate::mesh::{Options, PlacedMesh, WarmStart};
+use crate::query::last_hit::LastHit;
 use crate::query::nesting::nested;
 use crate::query::{Proximity, of_meshes};
 use crate::shape::{Form, PlacedShape};
@@ -42,10 +43,17 @@ pub(super) fn nearness_of_parts(a: &PlacedShape, b: &PlacedShape, clearance: f64
         (Form::Surface(surface), Form::HalfSpace(plane)) | (Form::HalfSpace(plane), Form::Surface(surface)) => {
             plane.nearness_of_surface(&surface, clearance)
         }
-        (Form::Surface(a), Form::Surface(b)) => {
-            of_meshes::nearness(mesh_of(&a), mesh_of(&b), clearance, &mut WarmStart::default(), &Options::default())
-        }
+        (Form::Surface(a), Form::Surface(b)) => nearness_of_surfaces(mesh_of(&a), mesh_of(&b), clearance),
     }
+}
+
+/// Returns whether two meshes are at most `clearance` apart. Without a clearance the search for an
+/// intersection is much faster if the meshes nearly coincide.
+fn nearness_of_surfaces(a: PlacedMesh<'_>, b: PlacedMesh<'_>, clearance: f64) -> Proximity {
+    if clearance == 0.0 {
+        return of_meshes::proximity(a, b, &mut LastHit::default(), &Options::default());
+    }
+    of_meshes::nearness(a, b, clearance, &mut WarmStart::default(), &Options::default())
 }
 
 /// Computes the distance of two shapes: the minimum over their parts.

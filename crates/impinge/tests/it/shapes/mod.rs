@@ -7,6 +7,8 @@ mod contacts;
 mod degenerate;
 mod depths;
 mod hulls;
+mod mesh_contacts;
 mod pairs;
 mod support;
 mod surfaces;
+mod twins;

@@ -1,0 +1,274 @@
+//! Convex pieces of a surface: groups of neighboring faces that lie on the border of one convex
+//! set.
+//!
+//! A face alone does not know its neighbors: the shortest way out of a floor's triangle may lead
+//! sideways, through the next triangle. A piece knows them. Its faces are in convex position: all
+//! its corners are below the planes of its faces. They are also below the planes of the faces
+//! beyond its convex edges, and inside the borders of the surface that it reaches. So the hull of a
+//! piece fills no hole, and no notch, of the surface. A contact with a piece is a contact of two
+//! convex sets, and has the depth that the whole convex part of the surface would have.
+//!
+//! A piece is first flooded from a seed over touched faces, and `body` lets it grow over faces that
+//! nothing touches where the direction of a contact needs them.
+//!
+//! The tests are in `tests/it/shapes/mesh_contacts.rs`.
+
+mod body;
+mod polytope;
+mod resolve;
+
+use crate::math::vec3::{cross, dot, sub};
+use crate::mesh::{Mesh, Positions};
+
+use super::posed::to_unit_length;
+pub(crate) use body::{Body, contacts_of_bodies};
+pub(crate) use resolve::{Found, unresolved};
+
+/// Maximum number of planes of a piece. A surface with more of them in one touched region is cut
+/// into several pieces. More planes make each added face cost more.
+const MAX_PLANES: usize = 256;
+
+/// A face and the side that counts as outside: the side from which its corners turn left, or the
+/// other side if it is flipped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct OrientedFace {
+    pub(crate) face: u32,
+    pub(crate) is_flipped: bool,
+}
+
+/// A plane that bounds a piece, in the frame of the mesh.
+#[derive(Clone, Copy, Debug)]
+struct Plane {
+    normal: [f64; 3],
+    /// A point of the plane.
+    base: [f64; 3],
+    /// Whether a face of the piece lies in the plane.
+    is_of_face: bool,
+}
+
+impl Plane {
+    fn height(&self, point: &[f64; 3]) -> f64 {
+        dot(&self.normal, &sub(point, &self.base))
+    }
+
+    fn holds(&self, points: &[[f64; 3]], normal: &[f64; 3], slack: f64) -> bool {
+        dot(&self.normal, normal) > 0.5 && points.iter().all(|point| self.height(point).abs() <= slack)
+    }
+}
+
+/// The surface beyond an edge of a face.
+enum Beyond {
+    /// No face: the edge is on the border of the surface.
+    Nothing,
+    /// One face.
+    Face(OrientedFace),
+    /// Several faces, of which none continues the surface, or a face without area.
+    Unclear,
+}
+
+/// A group of faces in convex position.
+#[derive(Debug)]
+pub(crate) struct Piece<'m> {
+    mesh: &'m Mesh,
+    faces: Vec<OrientedFace>,
+    planes: Vec<Plane>,
+    /// Number of the plane of each face.
+    plane_of: Vec<u32>,
+    /// Corners of the faces, by the first vertex at each position. A corner of several faces may
+    /// occur more than once.
+    corners: Vec<u32>,
+    slack: f64,
+}
+
+impl<'m> Piece<'m> {
+    /// Returns the faces of the piece.
+    pub(crate) fn faces(&self) -> impl Iterator<Item = u32> {
+        self.faces.iter().map(|face| face.face)
+    }
+
+    fn positions(&self, face: u32) -> [[f64; 3]; 3] {
+        self.mesh.corners(face)
+    }
+
+    fn plane(&self, of: OrientedFace) -> Option<Plane> {
+        let [p, q, r] = self.positions(of.face);
+        let area = cross(&sub(&q, &p), &sub(&r, &p));
+        let sign = if of.is_flipped { -1.0 } else { 1.0 };
+        (area != [0.0; 3]).then(|| Plane { normal: to_unit_length(area.map(|x| sign * x)), base: p, is_of_face: true })
+    }
+
+    /// Adds a face if the piece stays in convex position. Reports whether it was added.
+    fn add(&mut self, face: OrientedFace) -> bool {
+        let Some(own) = self.plane(face) else { return false };
+        let (corners, slack) = (self.positions(face.face), self.slack);
+        if self.planes.iter().any(|plane| corners.iter().any(|corner| plane.height(corner) > slack)) {
+            return false;
+        }
+        let known = self.planes.iter().position(|plane| plane.holds(&corners, &own.normal, slack));
+        let mut new: Vec<Plane> = Vec::new();
+        if known.is_none() {
+            new.push(own);
+        }
+        for edge in 0..3 {
+            let ends = [corners[edge], corners[(edge + 1) % 3]];
+            let bound = match beyond(self.mesh, face, edge) {
+                Beyond::Unclear => continue,
+                Beyond::Nothing => {
+                    let sign = if face.is_flipped { -1.0 } else { 1.0 };
+                    let along = sub(&ends[1], &ends[0]).map(|x| sign * x);
+                    Plane { normal: to_unit_length(cross(&along, &own.normal)), base: ends[0], is_of_face: false }
+                }
+                Beyond::Face(other) => {
+                    let lowest = self.positions(other.face).iter().map(|corner| own.height(corner)).fold(0.0, f64::min);
+                    match self.plane(other) {
+                        Some(plane) if lowest < -slack => Plane { is_of_face: false, ..plane },
+                        _ => continue,
+                    }
+                }
+            };
+            let is_known = |plane: &Plane| plane.holds(&ends, &bound.normal, slack) && is_same_direction(plane, &bound);
+            if !self.planes.iter().chain(&new).any(is_known) {
+                new.push(bound);
+            }
+        }
+        if !new.is_empty() {
+            let positions = self.mesh.positions();
+            let is_above =
+                |plane: &Plane| self.corners.iter().any(|&at| plane.height(&positions.get(at as usize)) > slack);
+            let is_full = self.planes.len() + new.len() > MAX_PLANES && !self.planes.is_empty();
+            if is_full || new.iter().any(is_above) {
+                return false;
+            }
+        }
+        let plane = known.unwrap_or(self.planes.len());
+        if let Some(known) = known {
+            self.planes[known].is_of_face = true;
+        }
+        self.planes.extend(new);
+        let first_at = &self.mesh.topology().first_at;
+        self.corners.extend(self.mesh.faces()[face.face as usize].map(|vertex| first_at[vertex as usize]));
+        self.plane_of.push(plane as u32);
+        self.faces.push(face);
+        true
+    }
+}
+
+fn is_same_direction(one: &Plane, other: &Plane) -> bool {
+    dot(&one.normal, &other.normal) > 1.0 - 1.0 / (1 << 20) as f64
+}
+
+/// Returns the surface beyond an edge of a face. Edge k runs from corner k to the next.
+fn beyond(mesh: &Mesh, of: OrientedFace, edge: usize) -> Beyond {
+    let first_at = &mesh.topology().first_at;
+    let corners = |face: u32| mesh.faces()[face as usize].map(|vertex| first_at[vertex as usize]);
+    let own = corners(of.face);
+    let (from, to) = (own[edge], own[(edge + 1) % 3]);
+    let mut found = Beyond::Nothing;
+    for &other in mesh.faces_at(from) {
+        if other == of.face {
+            continue;
+        }
+        let there = corners(other);
+        let Some(at) = there.iter().position(|&corner| corner == from) else { continue };
+        let runs_along = there[(at + 1) % 3] == to;
+        if !runs_along && there[(at + 2) % 3] != to {
+            continue;
+        }
+        if matches!(found, Beyond::Face(_)) {
+            return Beyond::Unclear;
+        }
+        found = Beyond::Face(OrientedFace { face: other, is_flipped: of.is_flipped != runs_along });
+    }
+    found
+}
+
+/// One bit for each face of a mesh.
+struct Marks(Vec<u64>);
+
+impl Marks {
+    fn new(len: usize) -> Self {
+        Self(vec![0; len.div_ceil(64)])
+    }
+
+    fn has(&self, face: u32) -> bool {
+        self.0[face as usize / 64] >> (face % 64) & 1 == 1
+    }
+
+    fn set(&mut self, face: u32) {
+        self.0[face as usize / 64] |= 1 << (face % 64);
+    }
+}
+
+/// Divides some faces of a mesh into convex pieces. A piece starts with the first face that is in
+/// no piece yet. A seed beside a face of an earlier piece has the orientation of that face; any
+/// other seed has its given one. Faces without area are in no piece.
+///
+/// # Complexity
+/// O(n) for n faces in a few planes. A face in a new plane takes linear time in its piece, whose
+/// number of planes is limited.
+pub(crate) fn pieces<'m>(mesh: &'m Mesh, seeds: &[OrientedFace]) -> Vec<Piece<'m>> {
+    let count = mesh.faces().len();
+    let (mut listed, mut taken, mut flipped) = (Marks::new(count), Marks::new(count), Marks::new(count));
+    seeds.iter().for_each(|seed| listed.set(seed.face));
+    let slack = slack(mesh, seeds);
+    let mut found = Vec::new();
+    for &given in seeds {
+        if taken.has(given.face) {
+            continue;
+        }
+        let mut seed = given;
+        for edge in 0..3 {
+            if let Beyond::Face(other) = beyond(mesh, given, edge)
+                && taken.has(other.face)
+            {
+                seed.is_flipped = given.is_flipped != (other.is_flipped != flipped.has(other.face));
+                break;
+            }
+        }
+        let mut piece = Piece { mesh, faces: vec![], planes: vec![], plane_of: vec![], corners: vec![], slack };
+        taken.set(seed.face);
+        if !piece.add(seed) {
+            continue;
+        }
+        let mut next = 0;
+        while let Some(&face) = piece.faces.get(next) {
+            next += 1;
+            if face.is_flipped {
+                flipped.set(face.face);
+            }
+            for edge in 0..3 {
+                if let Beyond::Face(other) = beyond(mesh, face, edge)
+                    && listed.has(other.face)
+                    && !taken.has(other.face)
+                    && piece.add(other)
+                {
+                    taken.set(other.face);
+                }
+            }
+        }
+        found.push(piece);
+    }
+    found
+}
+
+/// Returns the height above a plane up to which a corner counts as in it. It is larger than the
+/// rounding of the coordinates.
+fn slack(mesh: &Mesh, faces: &[OrientedFace]) -> f64 {
+    /// Part of the size of the faces: 2^-32. Less would cut rounded planes into pieces. More would
+    /// take low steps for flat.
+    const OF_SIZE: f64 = 1.0 / (1_u64 << 32) as f64;
+    let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    for corner in faces.iter().flat_map(|face| mesh.corners(face.face)) {
+        for k in 0..3 {
+            bounds[0][k] = bounds[0][k].min(corner[k]);
+            bounds[1][k] = bounds[1][k].max(corner[k]);
+        }
+    }
+    let size = (0..3).map(|k| bounds[1][k] - bounds[0][k]).fold(0.0, f64::max);
+    let far = bounds.as_flattened().iter().fold(0.0_f64, |far, x| far.max(x.abs()));
+    let rounding = match mesh.positions() {
+        Positions::F32(_) => f64::from(f32::EPSILON),
+        Positions::F64(_) => f64::EPSILON,
+    };
+    size * OF_SIZE + 4.0 * rounding * far
+}

@@ -1,0 +1,143 @@
+//! The polytope of a piece: the hull of its corners, and the face of the mesh at a point of it.
+
+use super::Piece;
+use crate::convex::Faceted;
+use crate::convex::facets::Facets;
+use crate::convex::overlap::Feature;
+use crate::convex::posed::{Core, Swept};
+use crate::hull::Hull;
+use crate::math::Pose;
+use crate::math::vec3::{length, sub};
+use crate::mesh::Mesh;
+use crate::primitive::closest_on_segment;
+
+/// Number of corners above which the corners inside flat parts are left out before the hull is
+/// built. Fewer corners cost less than the test.
+const MIN_CULLED_CORNERS: usize = 64;
+
+/// The hull of a piece. Its corners have the numbers of the mesh's vertices.
+#[derive(Debug)]
+pub(super) struct Polytope {
+    pub(super) hull: Hull,
+    facets: Facets,
+}
+
+impl Polytope {
+    pub(super) fn of(piece: &Piece<'_>) -> Option<Self> {
+        let corners = if piece.corners.len() > MIN_CULLED_CORNERS { outer(piece) } else { distinct(&piece.corners) };
+        let points: Vec<[f64; 3]> = corners.iter().map(|&at| piece.mesh.positions().get(at as usize)).collect();
+        let hull = Hull::new(&points).ok()?;
+        let mut facets = Facets::of_hull(&hull);
+        for (corner, &number) in facets.corners.iter_mut().zip(hull.vertices()) {
+            corner.0 = corners[number as usize];
+        }
+        Some(Self { hull, facets })
+    }
+
+    pub(super) fn faceted<'a>(&'a self, pose: &'a Pose) -> Faceted<'a> {
+        let swept = Swept { core: Core::Hull(&self.hull), pose, radius: [0.0; 2] };
+        Faceted { swept, facets: Some(&self.facets), has_all_facets: true }
+    }
+
+    /// Returns the mesh's vertices at the hull's corners.
+    pub(super) fn vertices(&self) -> impl Iterator<Item = u32> {
+        self.facets.corners.iter().map(|corner| corner.0)
+    }
+}
+
+fn distinct(corners: &[u32]) -> Vec<u32> {
+    let mut corners = corners.to_vec();
+    corners.sort_unstable();
+    corners.dedup();
+    corners
+}
+
+/// Returns the corners that may be on the hull: of each plane, those on the border of a polygon
+/// between the farthest corners along eight directions, or beyond it.
+fn outer(piece: &Piece<'_>) -> Vec<u32> {
+    let mut of_plane: Vec<Vec<u32>> = vec![Vec::new(); piece.planes.len()];
+    for (corners, &plane) in piece.corners.chunks_exact(3).zip(&piece.plane_of) {
+        of_plane[plane as usize].extend(corners);
+    }
+    let mut kept = Vec::new();
+    for (plane, corners) in piece.planes.iter().zip(of_plane) {
+        if corners.len() <= MIN_CULLED_CORNERS {
+            kept.extend(corners);
+            continue;
+        }
+        let normal = plane.normal.map(f64::abs);
+        let across = (0..3).max_by(|&i, &j| normal[i].total_cmp(&normal[j])).unwrap_or(0);
+        let (i, j) = ((across + 1) % 3, (across + 2) % 3);
+        let positions = piece.mesh.positions();
+        let flat: Vec<[f64; 2]> = corners
+            .iter()
+            .map(|&at| {
+                let point = positions.get(at as usize);
+                [point[i], point[j]]
+            })
+            .collect();
+        let polygon = octagon(&flat);
+        kept.extend(
+            corners.into_iter().zip(&flat).filter(|(_, at)| !is_inside(&polygon, at)).map(|(corner, _)| corner),
+        );
+    }
+    distinct(&kept)
+}
+
+/// Returns the farthest points along eight directions, in counterclockwise order.
+fn octagon(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    const TURNS: [[f64; 2]; 8] =
+        [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0], [-1.0, -1.0], [0.0, -1.0], [1.0, -1.0]];
+    let height = |turn: &[f64; 2], point: &[f64; 2]| turn[0] * point[0] + turn[1] * point[1];
+    TURNS
+        .iter()
+        .filter_map(|turn| points.iter().max_by(|p, q| height(turn, p).total_cmp(&height(turn, q))).copied())
+        .collect()
+}
+
+/// Reports whether a point is certainly inside a convex polygon.
+fn is_inside(polygon: &[[f64; 2]], point: &[f64; 2]) -> bool {
+    /// Relative margin, which is larger than the rounding error of an area.
+    const MARGIN: f64 = 1e-9;
+    (0..polygon.len()).all(|at| {
+        let (from, to) = (polygon[at], polygon[(at + 1) % polygon.len()]);
+        let (e, f) = ([to[0] - from[0], to[1] - from[1]], [point[0] - from[0], point[1] - from[1]]);
+        let (forward, backward) = (e[0] * f[1], e[1] * f[0]);
+        from == to || forward - backward > MARGIN * (forward.abs() + backward.abs())
+    })
+}
+
+/// Returns the mesh's own feature for a feature of a piece's polytope, given a point on it in the
+/// frame of the mesh. A facet becomes the face that is nearest to the point. An edge along several
+/// edges of the mesh becomes the edge of that face along it.
+pub(super) fn named(mesh: &Mesh, feature: Feature, point: &[f64; 3]) -> Feature {
+    let nearest = || mesh.closest_point(*point).ok().flatten().map(|nearest| nearest.face);
+    match feature {
+        Feature::Vertex(_) => feature,
+        Feature::Face(number) => Feature::Face(nearest().unwrap_or(number)),
+        Feature::Edge(from, to) if is_edge(mesh, from, to) => feature,
+        Feature::Edge(from, to) => {
+            let line = [from, to].map(|vertex| mesh.positions().get(vertex as usize));
+            nearest().and_then(|face| edge_along(mesh, face, &line)).unwrap_or(feature)
+        }
+    }
+}
+
+fn is_edge(mesh: &Mesh, from: u32, to: u32) -> bool {
+    let first_at = &mesh.topology().first_at;
+    let corners = |face: u32| mesh.faces()[face as usize].map(|vertex| first_at[vertex as usize]);
+    mesh.faces_at(from).iter().any(|&face| corners(face).contains(&to))
+}
+
+/// Returns the edge of a face that lies on a segment, or `None`.
+fn edge_along(mesh: &Mesh, face: u32, segment: &[[f64; 3]; 2]) -> Option<Feature> {
+    /// Maximum distance of an end from the segment, relative to the segment's length.
+    const ON_SEGMENT: f64 = 1e-9;
+    let first_at = &mesh.topology().first_at;
+    let vertices = mesh.faces()[face as usize].map(|vertex| first_at[vertex as usize]);
+    let near = ON_SEGMENT * length(&sub(&segment[1], &segment[0]));
+    let is_on = mesh.corners(face).map(|corner| closest_on_segment(&corner, segment).distance <= near);
+    let edge = (0..3).find(|&edge| is_on[edge] && is_on[(edge + 1) % 3])?;
+    let (from, to) = (vertices[edge], vertices[(edge + 1) % 3]);
+    Some(Feature::Edge(from.min(to), from.max(to)))
+}
