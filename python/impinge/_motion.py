@@ -12,7 +12,7 @@ from impinge import _arrays, _impinge
 from impinge._errors import InputError
 from impinge._points import scalar
 from impinge._rows import Solid
-from impinge._scalars import real
+from impinge._scalars import flag, real
 from impinge._shape import AnyShape
 
 
@@ -159,11 +159,25 @@ class Impact:
     t_upper : float or (...) float64 array
         Upper bound in [0, 1]: the bodies touch no later than this time. Infinite if contact is not
         proved.
+    point : (..., 3) float64 array
+        Point at which the bodies first touch, in the world frame at the time `t_lower`. NaN if they
+        do not touch, if they touch at the start (`contacts` has these contacts), or if the limit on
+        the work was reached.
+    normal : (..., 3) float64 array
+        Unit normal there, from the first body to the second; NaN if there is no point.
+    parts : (..., 2) int64 array
+        Part of each body that touches, 0 if it is not a compound; -1 if there is no point.
+    faces : (..., 2) int64 array
+        Face of each body that touches; -1 if its part is not a mesh, or if there is no point.
     """
 
     hit: bool | NDArray[np.bool_]
     t_lower: float | NDArray[np.float64]
     t_upper: float | NDArray[np.float64]
+    point: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    parts: NDArray[np.int64]
+    faces: NDArray[np.int64]
 
 
 def time_of_impact(
@@ -173,6 +187,8 @@ def time_of_impact(
     motion_b: Motion | None = None,
     *,
     solid: Solid = False,
+    clearance: float = 0.0,
+    ignore_touch: bool = False,
     progress: bool = False,
 ) -> Impact:
     """Compute the time at which two meshes or shapes in rigid motion first touch.
@@ -189,6 +205,12 @@ def time_of_impact(
         of both broadcast as in NumPy.
     solid : {False, True, "a", "b"}
         As for `intersects`: a body that starts inside a solid touches it at the start.
+    clearance : float
+        Distance in world units at which the bodies count as touching.
+    ignore_touch : bool
+        Whether the bodies may touch. Contact then counts only once they reach into each other, or
+        come nearer than the clearance. So bodies that touch at the start may part or slide along
+        each other. If a solid mesh touches a shape at the start, that counts as contact.
     progress : bool
         As for `intersects`.
 
@@ -220,9 +242,16 @@ def time_of_impact(
     >>> fall = impinge.Motion(impinge.pose([0, 0, 2.5]), impinge.pose([0, 0, -1.5]))
     >>> round(impinge.time_of_impact(ball, floor, fall).t_lower, 6)
     0.5
+    >>> impinge.time_of_impact(ball, floor, fall).normal
+    array([ 0.,  0., -1.])
+    >>> slide = impinge.Motion(impinge.pose([0, 0, 0.5]), impinge.pose([9, 0, 0.5]))
+    >>> impinge.time_of_impact(ball, floor, slide, ignore_touch=True).hit
+    False
     """
-    lower, upper = _impinge.time_of_impact((a, b, motion_a, motion_b, solid, progress))
-    return Impact(scalar(lower < np.inf), scalar(lower), scalar(upper))
+    least = real(clearance, "clearance", minimum=0)
+    moving = (a, b, motion_a, motion_b, solid, progress)
+    lower, upper, *place = _impinge.time_of_impact(moving, least, flag(ignore_touch, "ignore_touch"))
+    return Impact(scalar(lower < np.inf), scalar(lower), scalar(upper), *place)
 
 
 def _pose(pose: ArrayLike | None, name: str) -> NDArray[np.float64]:

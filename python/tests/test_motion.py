@@ -32,6 +32,25 @@ def test_contact_of_a_fast_body_is_found():
     assert 0.5 - 1e-9 < impact.t_lower <= 0.5
 
 
+def test_bodies_glide_past_each_other_and_the_touch_has_its_place():
+    floor, ball = impinge.Shape.half_space([0, 0, 1]), impinge.Shape.sphere(0.5)
+    glide = impinge.Motion(impinge.pose([0, 0, 0.501]), impinge.pose([[20, 0, 0.501], [20, 0, 0.499]]))
+    impact = impinge.time_of_impact(ball, floor, glide)
+    assert impact.hit.tolist() == [False, True]
+    assert np.isnan(impact.point[0]).all()
+    assert np.allclose(impact.point[1], [10, 0, 0], atol=1e-6)
+    assert impact.normal[1].tolist() == [0, 0, -1]
+    assert impact.parts.tolist() == [[-1, -1], [0, 0]]
+    assert impact.faces.tolist() == [[-1, -1], [-1, -1]]
+    fall = impinge.Motion(impinge.pose([0, 0, 3]), impinge.pose([0, 0, -1]))
+    assert impinge.time_of_impact(FLAT, FLAT, motion_b=fall).faces.tolist() == [0, 0]
+    near = impinge.time_of_impact(ball, floor, impinge.Motion(impinge.pose([0, 0, 2.5]), None), clearance=0.5)
+    assert abs(near.t_lower - 0.6) < 1e-9
+    slide = impinge.Motion(impinge.pose([0, 0, 0.5]), impinge.pose([20, 0, 0.5]))
+    assert impinge.time_of_impact(ball, floor, slide).t_upper == 0
+    assert not impinge.time_of_impact(ball, floor, slide, ignore_touch=True).hit
+
+
 def test_a_body_that_starts_inside_a_solid_touches_it_at_zero():
     inner = impinge.Mesh(cube()[0] * 0.1, cube()[1])
     assert not impinge.time_of_impact(CUBE, inner).hit

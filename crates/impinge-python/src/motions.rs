@@ -2,7 +2,7 @@
 
 use impinge::budget::Stopped;
 use impinge::query::batch::{Broadcast, Execution};
-use impinge::sweep::{self, Impact, Motion, times_of_impact};
+use impinge::sweep::{self, Impact, Motion, Sweep};
 use impinge::{InputError, Pose};
 use pyo3::prelude::*;
 
@@ -108,9 +108,15 @@ pub(crate) fn motions_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<
 type Moving<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, SolidOption, Progress);
 
 /// Returns the lower and the upper bound of each time of impact, from 0 at the start to 1 at the
-/// end, as two arrays. Both are infinite without contact.
+/// end, then the point, the normal, the parts and the faces of the first touch, as six arrays. Both
+/// bounds are infinite without contact. A part or a face of -1, and NaN, mean that there is none.
 #[pyfunction]
-pub(crate) fn time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) -> PyResult<Bound<'py, PyAny>> {
+pub(crate) fn time_of_impact<'py>(
+    py: Python<'py>,
+    moving: Moving<'py>,
+    clearance: f64,
+    ignore_touch: bool,
+) -> PyResult<Bound<'py, PyAny>> {
     let (a, b, motion_a, motion_b, SolidOption(is_solid), Progress(progress)) = moving;
     let (a, b) = (read_shape(&a, "a", is_solid[0])?.shape, read_shape(&b, "b", is_solid[1])?.shape);
     let (shape_a, motions_a) = motions_of(&motion_a, "motion_a")?;
@@ -130,7 +136,9 @@ pub(crate) fn time_of_impact<'py>(py: Python<'py>, moving: Moving<'py>) -> PyRes
     let shape = broadcast.shape().to_vec();
     let call = Call { rows: broadcast.rows(), is_brief: false, progress };
     let (impacts, _) = workers::execute(py, call, move |execution: Execution<'_>| -> Result<_, Stopped> {
-        times_of_impact(&a, &b, [&motions_a, &motions_b], &broadcast, execution)
+        let sweep = Sweep::new().with_clearance(clearance);
+        let sweep = if ignore_touch { sweep.ignoring_touch() } else { sweep };
+        sweep.times_of_impact(&a, &b, [&motions_a, &motions_b], &broadcast, execution)
     })?;
     let impacts: Result<Vec<Impact>, InputError> = impacts.into_iter().collect();
     let impacts =

@@ -32,11 +32,14 @@ fn divided(half: [f64; 3], times: usize) -> Plain {
     mesh
 }
 
+/// Kind of a cylinder in [`body`].
+const CYLINDER: i64 = 1;
+
 /// Returns a body that comes to rest: a box, a cylinder, a capsule or a hull.
-fn body(rng: &mut Rng) -> Shape {
-    match rng.integer(0, 3) {
+fn body(rng: &mut Rng, kind: i64) -> Shape {
+    match kind {
         0 => Shape::cuboid([0; 3].map(|_| rng.uniform(0.1, 0.6))).unwrap(),
-        1 => Shape::cylinder(rng.uniform(0.1, 0.6), rng.uniform(0.1, 0.5)).unwrap(),
+        CYLINDER => Shape::cylinder(rng.uniform(0.1, 0.6), rng.uniform(0.1, 0.5)).unwrap(),
         2 => Shape::capsule([0.0, 0.0, -0.3], [0.0, 0.0, 0.3], rng.uniform(0.1, 0.3)).unwrap(),
         _ => {
             let points: Vec<[f64; 3]> = (0..12).map(|_| [0; 3].map(|_| rng.uniform(-0.5, 0.5))).collect();
@@ -76,13 +79,16 @@ fn sunk(rng: &mut Rng, twin: &PlacedShape, half: [f64; 3], body: &Shape) -> Opti
     Some((there(high + deep), deep))
 }
 
-/// Difference of areas that does not count. The points of a cylinder that rocks are nearly in one
-/// line, and depend on its normal, which is within 2^-12.
-const AREA_SLACK: f64 = 1e-4;
+/// Difference of areas that does not count.
+const AREA_SLACK: f64 = 1e-9;
+
+/// Difference of areas of a cylinder that does not count. The points of a cylinder that rocks are
+/// nearly in one line, and depend on its normal, which is within 2^-12.
+const CYLINDER_AREA_SLACK: f64 = 1e-4;
 
 /// Compares manifolds of a scene with the one of its convex twin. Reports whether the twin's normal
 /// was the only good one.
-fn compare(found: &[Manifold], twin: &Manifold, second_least: f64, context: &dyn Fn() -> String) -> bool {
+fn compare(found: &[Manifold], twin: &Manifold, second_least: f64, slack: f64, context: &dyn Fn() -> String) -> bool {
     let depth = deepest(twin);
     for manifold in found {
         assert!(deepest(manifold) <= 1.01 * depth + 1e-9, "{depth} {}", context());
@@ -96,7 +102,7 @@ fn compare(found: &[Manifold], twin: &Manifold, second_least: f64, context: &dyn
     }
     assert_eq!(found.len(), 1, "{}", context());
     assert!((deepest(&found[0]) - depth).abs() <= 0.01 * depth + 1e-9, "{}", context());
-    assert!(area(&found[0]) >= 0.99 * area(twin) - AREA_SLACK, "{} {} {}", area(&found[0]), area(twin), context());
+    assert!(area(&found[0]) >= 0.99 * area(twin) - slack, "{} {} {}", area(&found[0]), area(twin), context());
     true
 }
 
@@ -125,14 +131,16 @@ fn bodies_on_mesh_boxes_have_the_contacts_of_bodies_on_boxes() {
         let times = rng.integer(0, 3) as usize;
         let mesh: Mesh = engine(&divided(half, times));
         let twin = Shape::cuboid(half).unwrap().at(Pose::IDENTITY).unwrap();
-        let body = body(&mut rng);
+        let kind = rng.integer(0, 3);
+        let body = body(&mut rng, kind);
+        let slack = if kind == CYLINDER { CYLINDER_AREA_SLACK } else { AREA_SLACK };
         let Some((body, sunk)) = sunk(&mut rng, &twin, half, &body) else { continue };
         let truth = query::contacts(&twin, &body);
         let second = other_axis(&twin, &body, &truth[0].normal);
         for shape in [Shape::solid(&mesh), Shape::mesh(&mesh)] {
             let found = query::contacts(shape.at(Pose::IDENTITY).unwrap(), &body);
             let context = || format!("{half:?} {times} {body:?} {sunk}: {found:?}, not {truth:?}");
-            unique += usize::from(compare(&found, &truth[0], second, &context));
+            unique += usize::from(compare(&found, &truth[0], second, slack, &context));
             checked += 1;
             level += usize::from(truth[0].points.len() == 4);
         }
@@ -157,7 +165,7 @@ fn mesh_boxes_on_mesh_boxes_have_the_contacts_of_boxes() {
         let upper = Shape::solid(&engine(&divided(own, times[1]))).at(*plain.world_from_local()).unwrap();
         let found = query::contacts(&base, &upper);
         let context = || format!("{half:?} {own:?} {times:?} {plain:?} {sunk}: {found:?}, not {truth:?}");
-        unique += usize::from(compare(&found, &truth[0], second, &context));
+        unique += usize::from(compare(&found, &truth[0], second, AREA_SLACK, &context));
         checked += 1;
     }
     assert!(checked > 120 && unique > 80, "{checked} {unique}");
