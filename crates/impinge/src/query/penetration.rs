@@ -3,7 +3,7 @@
 use super::penetrates::{Penetrates, decide};
 use super::placed::{Placed, meshes};
 use super::shapes::{search, table};
-use super::{Proximity, Query, proximity};
+use super::{Proximity, Query};
 use crate::convex::Depth;
 
 /// Penetration depth of two things, as an interval that is proved to hold the true depth.
@@ -90,13 +90,7 @@ impl Penetration {
 /// proved distances, so that the returned translation separates the two things.
 #[must_use]
 pub fn penetration<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Option<Penetration> {
-    let (a, b) = (a.into(), b.into());
-    let (a, b) = (solid(&a), solid(&b));
-    if proximity(&a, &b) == Proximity::Apart {
-        return None;
-    }
-    let (a, b) = (a.shape(), b.shape());
-    Some(table::depth(&a, &b).unwrap_or_else(|| search::depth_by_search(&a, &b)).into())
+    Query::new().penetration(a, b)
 }
 
 /// Returns a mesh as a solid, and any other thing as it is.
@@ -146,6 +140,20 @@ pub fn penetrates<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) ->
 }
 
 impl Query<'_> {
+    /// Computes how deep two things are in each other, as [`penetration`] does. If the budget ends
+    /// the search, the bounds are wider.
+    #[must_use]
+    pub fn penetration<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Option<Penetration> {
+        let (a, b) = (a.into(), b.into());
+        let (a, b) = (solid(&a), solid(&b));
+        let budget = self.options.budget;
+        if Query::new().with_budget(budget).proximity(&a, &b) == Proximity::Apart {
+            return None;
+        }
+        let (a, b) = (a.shape(), b.shape());
+        Some(table::depth(&a, &b).unwrap_or_else(|| search::depth_by_search(&a, &b, budget)).into())
+    }
+
     /// Returns [`penetrates`] of two things. If the budget ends the search, the answer is
     /// `Undecided` unless an intersection of the interiors is proved.
     #[must_use]
@@ -156,7 +164,7 @@ impl Query<'_> {
             let budget = self.options.budget;
             return decide(a, b, &self.intersecting_pairs(a, b), budget);
         }
-        match penetration(&a, &b) {
+        match self.penetration(&a, &b) {
             Some(depth) if depth.lower > 0.0 => Penetrates::Yes,
             Some(depth) if depth.upper > 0.0 => Penetrates::Undecided,
             _ => Penetrates::No,

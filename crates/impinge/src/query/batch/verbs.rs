@@ -11,7 +11,7 @@ use crate::budget::Stopped;
 use crate::query::penetration::solid;
 use crate::query::{
     Cache, ContactOptions, Curves, Distance, LimitedPairs, Manifold, Penetrates, Penetration, Placed, Proximity, Query,
-    nearness, penetration, proximity,
+    nearness, proximity,
 };
 use crate::shape::Shape;
 
@@ -167,8 +167,8 @@ impl<'e> Batch<'e> {
     /// # Errors
     /// As for [`each`](Self::each).
     pub fn penetration(&self) -> Result<Answers<Option<Penetration>>, Stopped> {
-        let answers = self.each((Some(Penetration::UNKNOWN), false), |_, a, b| {
-            let found = penetration(&a, &b);
+        let answers = self.each((Some(Penetration::UNKNOWN), false), |query, a, b| {
+            let found = query.penetration(&a, &b);
             // A lower bound above zero proves that the things intersect.
             let may_touch = found.is_some_and(|found| found.lower == 0.0);
             (found, may_touch && proximity(solid(&a), solid(&b)) == Proximity::Undecided)

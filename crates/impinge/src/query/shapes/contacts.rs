@@ -3,6 +3,7 @@
 use super::seams::across_seams;
 use super::search::depth_by_search;
 use super::table::{nearness_of_parts, pairs_near, surface_of};
+use crate::budget::Budget;
 pub use crate::convex::Feature;
 use crate::convex::{self, Contact, Contacts, Depth, Surface, to_unit_length as unit};
 use crate::query::placed::Placed;
@@ -107,29 +108,34 @@ impl Query<'_> {
     pub fn contacts<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<Manifold> {
         let (a, b) = (a.into(), b.into());
         let ContactOptions { margin, most_points } = self.contacts;
-        let found =
-            contacts_within(&a.shape(), &b.shape(), margin.max(0.0)).into_iter().map(|(parts, mut contacts)| {
+        let found = contacts_within(&a.shape(), &b.shape(), margin.max(0.0), self.options.budget).into_iter().map(
+            |(parts, mut contacts)| {
                 contacts.keep(most_points);
                 manifold(parts, &contacts)
-            });
+            },
+        );
         found.collect()
     }
 }
 
-/// Returns the contacts of two shapes within a margin, with the parts that they belong to.
-fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<([u32; 2], Contacts)> {
+/// Returns the contacts of two shapes within a margin, with the parts that they belong to. If the
+/// budget is spent, some are missing.
+fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Budget<'_>) -> Vec<([u32; 2], Contacts)> {
     let mut found = Vec::new();
     for numbers in pairs_near(a, b, margin) {
+        if budget.is_spent() {
+            break;
+        }
         let (part_a, part_b) = (&a.parts()[numbers[0] as usize], &b.parts()[numbers[1] as usize]);
         if nearness_of_parts(part_a, part_b, margin) != Proximity::Apart {
-            let of_parts = contacts_of_parts(part_a, part_b, margin).into_iter();
+            let of_parts = contacts_of_parts(part_a, part_b, margin, budget).into_iter();
             found.extend(of_parts.map(|contacts| (numbers, across_seams([a, b], numbers, contacts, margin))));
         }
     }
     found
 }
 
-fn contacts_of_parts(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<Contacts> {
+fn contacts_of_parts(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Budget<'_>) -> Vec<Contacts> {
     match (a.form(), b.form()) {
         (Form::Convex(swept_a), Form::Convex(swept_b)) => {
             vec![convex::contacts(&a.faceted(swept_a), &b.faceted(swept_b), margin)]
@@ -139,12 +145,12 @@ fn contacts_of_parts(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<Conta
         (Form::HalfSpace(a), Form::HalfSpace(b)) => vec![a.contact_of_half_spaces(&b)],
         (Form::Surface(surface), Form::Convex(swept)) => {
             let found = surface.contacts(&b.faceted(swept), margin);
-            if found.is_empty() { of_contained(a, b) } else { found }
+            if found.is_empty() { of_contained(a, b, budget) } else { found }
         }
         (Form::Convex(swept), Form::Surface(surface)) => {
             let found = surface.contacts(&a.faceted(swept), margin);
             if found.is_empty() {
-                return of_contained(a, b);
+                return of_contained(a, b, budget);
             }
             found.into_iter().map(Contacts::swapped).collect()
         }
@@ -154,15 +160,15 @@ fn contacts_of_parts(a: &PlacedShape, b: &PlacedShape, margin: f64) -> Vec<Conta
         }
         (Form::Surface(surface_a), Form::Surface(surface_b)) => {
             let found = of_surfaces(&surface_a, &surface_b, margin);
-            if found.is_empty() { of_contained(a, b) } else { found }
+            if found.is_empty() { of_contained(a, b, budget) } else { found }
         }
     }
 }
 
 /// Returns the one contact of two shapes if one is inside the other without touching its surface:
 /// the deepest points of the penetration.
-fn of_contained(a: &PlacedShape, b: &PlacedShape) -> Vec<Contacts> {
-    let Depth { lower, upper, normal, points } = depth_by_search(a, b);
+fn of_contained(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -> Vec<Contacts> {
+    let Depth { lower, upper, normal, points } = depth_by_search(a, b, budget);
     let features = [Feature::Face(0); 2];
     vec![Contacts { normal, contacts: vec![Contact { points, lower, upper, features }] }]
 }

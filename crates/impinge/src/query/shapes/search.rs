@@ -19,13 +19,14 @@
 use super::beyond::shortest_beyond;
 use super::spheres::spheres_in_both;
 use super::table::{separation, surface_of};
+use crate::budget::Budget;
 use crate::convex::{Core, Depth, Separation, Surface, Swept, depth, to_unit_length};
 use crate::hull::Hull;
 use crate::math::Pose;
 use crate::math::vec3::{Vector, dot, scaled_length as length, sub};
 use crate::mesh::{Options, WarmStart};
-use crate::query::penetrates::{Penetrates, penetrates_of_pairs};
-use crate::query::{Proximity, intersecting_pairs, normals_of_regions, of_meshes};
+use crate::query::penetrates::Penetrates;
+use crate::query::{Proximity, Query, normals_of_regions, of_meshes};
 use crate::shape::{Form, PlacedShape};
 
 /// Maximum number of directions along axes that are searched: those with the shortest translations.
@@ -57,21 +58,21 @@ const CONTACT_TOLERANCE: f64 = 1.0 / (1 << 26) as f64;
 
 /// Returns how deep two intersecting shapes are in each other. The search always moves the same one
 /// of the two shapes, whichever is named first, if their boxes differ.
-pub(in crate::query) fn depth_by_search(a: &PlacedShape, b: &PlacedShape) -> Depth {
+pub(in crate::query) fn depth_by_search(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -> Depth {
     let key = |shape: &PlacedShape| shape.bounds().map(|bounds| bounds.concat());
     let is_swapped = key(b) < key(a);
-    let mut found = if is_swapped { depth_in_order(b, a) } else { depth_in_order(a, b) };
+    let mut found = if is_swapped { depth_in_order(b, a, budget) } else { depth_in_order(a, b, budget) };
     if is_swapped {
         found.points.swap(0, 1);
         found.normal = found.normal.map(|x| 0.0 - x);
     }
-    if found.lower == 0.0 && certainly_only_touch(a, b) {
+    if found.lower == 0.0 && certainly_only_touch(a, b, budget) {
         found.upper = 0.0;
     }
     found
 }
 
-fn depth_in_order(a: &PlacedShape, b: &PlacedShape) -> Depth {
+fn depth_in_order(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -> Depth {
     let start = |direction: Vector| {
         let length = separating_length(a, b, &direction);
         length.is_finite().then_some((length, direction))
@@ -83,13 +84,14 @@ fn depth_in_order(a: &PlacedShape, b: &PlacedShape) -> Depth {
     starts.dedup_by(|next, start| dot(&next.1, &start.1) > MIN_SAME_DIRECTION_COSINE);
     let mut least = f64::INFINITY;
     let ways = starts.iter().filter_map(|(length, direction)| {
-        let way = descend(a, b, *length, direction, least)?;
+        let way = descend(a, b, *length, direction, least, budget)?;
         least = least.min(way.length);
         Some(way)
     });
     let mut ways: Vec<Separated> = ways.collect();
     ways.sort_by(|x, y| x.length.total_cmp(&y.length));
-    let Some(best) = ways.into_iter().find(|way| is_separated(a, b, &way.translation)).map(|way| tightened(a, b, way))
+    let Some(best) =
+        ways.into_iter().find(|way| is_separated(a, b, &way.translation)).map(|way| tightened(a, b, way, budget))
     else {
         let points = separation(a, b).points;
         return Depth { lower: 0.0, upper: f64::INFINITY, normal: [1.0, 0.0, 0.0], points };
@@ -101,11 +103,11 @@ fn depth_in_order(a: &PlacedShape, b: &PlacedShape) -> Depth {
 }
 
 /// Reports whether the shapes are solid meshes with disjoint interiors: their depth is zero.
-fn certainly_only_touch(a: &PlacedShape, b: &PlacedShape) -> bool {
+fn certainly_only_touch(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -> bool {
     surfaces(a, b).is_some_and(|[a, b]| {
         let (placed_a, placed_b) = (surface_of(&a), surface_of(&b));
-        let pairs = || intersecting_pairs(placed_a, placed_b);
-        a.is_solid && b.is_solid && penetrates_of_pairs(placed_a, placed_b, &pairs()) == Penetrates::No
+        let penetrates = || Query::new().with_budget(budget).penetrates(placed_a, placed_b);
+        a.is_solid && b.is_solid && penetrates() == Penetrates::No
     })
 }
 
@@ -116,16 +118,16 @@ fn is_separated(a: &PlacedShape, b: &PlacedShape, translation: &Vector) -> bool 
 
 /// Shortens a translation until the shapes nearly touch. Each step moves by the proved distance
 /// less 1/1024 of it. If the shapes approach head on, the gap becomes 1,024 times smaller.
-fn tightened(a: &PlacedShape, b: &PlacedShape, way: Separated) -> Separated {
+fn tightened(a: &PlacedShape, b: &PlacedShape, way: Separated, budget: &Budget<'_>) -> Separated {
     /// Part of the distance that is left. It is larger than the rounding error.
     const LEFT: f64 = 1.0 / (1 << 10) as f64;
     let mut warm_start = WarmStart::default();
     let mut best = way;
     for _ in 0..TIGHTENINGS {
-        let Some(at) = Place::new(a, b, best.translation, &mut warm_start) else { break };
+        let Some(at) = Place::new(a, b, best.translation, &mut warm_start, budget) else { break };
         let whole = length(&best.translation);
         let share = (whole - at.distance * (1.0 - LEFT)) / whole;
-        let Some(nearer) = Place::new(a, b, scaled(&best.translation, share), &mut warm_start) else { break };
+        let Some(nearer) = Place::new(a, b, scaled(&best.translation, share), &mut warm_start, budget) else { break };
         if share <= 0.0 || nearer.length() >= best.length || !is_separated(a, b, &nearer.translation) {
             break;
         }
@@ -270,7 +272,14 @@ fn out_of(normal: &Vector, direction: &Vector, depth: f64) -> f64 {
 
 /// Returns the shortest translation found from far along a direction. The search ends early if it
 /// cannot become shorter than `least`.
-fn descend(a: &PlacedShape, b: &PlacedShape, start: f64, direction: &Vector, least: f64) -> Option<Separated> {
+fn descend(
+    a: &PlacedShape,
+    b: &PlacedShape,
+    start: f64,
+    direction: &Vector,
+    least: f64,
+    budget: &Budget<'_>,
+) -> Option<Separated> {
     let size = start + length_of_bounds(a) + length_of_bounds(b);
     let near = CONTACT_TOLERANCE * size;
     let mut warm_start = WarmStart::default();
@@ -278,13 +287,13 @@ fn descend(a: &PlacedShape, b: &PlacedShape, start: f64, direction: &Vector, lea
         .into_iter()
         .map(|factor| scaled(direction, start * factor + 4.0 * near))
         .filter(|translation| is_separated(a, b, translation))
-        .find_map(|translation| Place::new(a, b, translation, &mut warm_start))?;
+        .find_map(|translation| Place::new(a, b, translation, &mut warm_start, budget))?;
     let mut best = at.separated();
     let mut planes: Vec<(Vector, f64)> = Vec::new();
     let mut goal = [0.0; 3];
     let mut arrived_at = f64::INFINITY;
     for _ in 0..MAX_PLANES {
-        let Some(arrived) = advance(a, b, &mut at, &goal, near, &mut warm_start) else { break };
+        let Some(arrived) = advance(a, b, &mut at, &goal, near, &mut warm_start, budget) else { break };
         if at.length() < best.length {
             best = at.separated();
         }
@@ -322,13 +331,23 @@ struct Place {
 }
 
 impl Place {
-    /// Returns the place after a translation, or `None` if the shapes are not proved apart there.
+    /// Returns the place after a translation, or `None` if the shapes are not proved apart there
+    /// or the budget is spent.
     /// Only the surfaces of meshes are compared. At the start neither mesh is inside the other, and
     /// a mesh that never touches the other surface stays outside.
-    fn new(a: &PlacedShape, b: &PlacedShape, translation: Vector, warm_start: &mut WarmStart) -> Option<Self> {
+    fn new(
+        a: &PlacedShape,
+        b: &PlacedShape,
+        translation: Vector,
+        warm_start: &mut WarmStart,
+        budget: &Budget<'_>,
+    ) -> Option<Self> {
+        if budget.is_spent() {
+            return None;
+        }
         let moved = moved(b, &translation)?;
         let found = match surfaces(a, &moved) {
-            Some([a, b]) => separation_of_surfaces(&a, &b, warm_start),
+            Some([a, b]) => separation_of_surfaces(&a, &b, warm_start, budget),
             None => separation(a, &moved),
         };
         // The translation that was really added, after rounding.
@@ -350,10 +369,16 @@ impl Place {
     }
 }
 
-fn separation_of_surfaces(a: &Surface<'_>, b: &Surface<'_>, warm_start: &mut WarmStart) -> Separation {
-    let found = of_meshes::distance(surface_of(a), surface_of(b), warm_start, &Options::default());
+fn separation_of_surfaces(
+    a: &Surface<'_>,
+    b: &Surface<'_>,
+    warm_start: &mut WarmStart,
+    budget: &Budget<'_>,
+) -> Separation {
+    let options = Options { budget, ..Options::default() };
+    let found = of_meshes::distance(surface_of(a), surface_of(b), warm_start, &options);
     let points = found.witness.map_or([[0.0; 3]; 2], |witness| [witness.point_a, witness.point_b]);
-    let proximity = if found.upper > 0.0 { Proximity::Apart } else { Proximity::Intersects };
+    let proximity = if found.proximity == Proximity::Apart { Proximity::Apart } else { Proximity::Intersects };
     Separation { lower: found.lower, upper: found.upper, points, proximity }
 }
 
@@ -366,6 +391,7 @@ fn advance(
     goal: &Vector,
     near: f64,
     warm_start: &mut WarmStart,
+    budget: &Budget<'_>,
 ) -> Option<bool> {
     for _ in 0..MAX_STEPS {
         let way = sub(goal, &at.translation);
@@ -378,7 +404,7 @@ fn advance(
         }
         let step = (at.distance - 0.25 * near).min(left);
         let next = std::array::from_fn(|k| at.translation[k] + way[k] * (step / left));
-        *at = Place::new(a, b, next, warm_start)?;
+        *at = Place::new(a, b, next, warm_start, budget)?;
     }
     Some(false)
 }
