@@ -163,8 +163,12 @@ class World(WorldQueries):
         InputError
             If a handle is stale, a body is static, or a pose is invalid, or not rigid and the shape
             is round. The error names the entry; no body is moved.
+        MemoryError
+            If there is not enough memory for the pairs. The world is unchanged.
         Exception
-            Any exception of the filter. The pair counts as admitted; the step is complete.
+            Any exception of the filter. The pair counts as admitted; the step is complete. If a
+            signal handler raises, as the handler of Ctrl-C does, the step ends early and the world
+            is unchanged, unless the step had already begun to store its pairs.
         """
         if (bodies is None) != (poses is None):
             what = "poses" if poses is None else "bodies"

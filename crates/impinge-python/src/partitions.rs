@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use impinge::InputError;
 use impinge::partition::{
     Axis, BoxTree, BspTree, Cells, Changes, ColumnSweep, Dynamic, HashedGrid, HierarchicalGrid, KdTree, LooseOctree,
-    Move, Octree, Partition, SweepOneAxis, SweepThreeAxes, UniformGrid,
+    Move, MustEnd, Octree, Partition, SweepOneAxis, SweepThreeAxes, Unfinished, UniformGrid,
 };
 use impinge::volume::MinMax;
 use numpy::{PyArray1, PyArrayMethods};
@@ -126,10 +126,10 @@ impl Snapshot {
         self.0.kind.as_partition()
     }
 
-    pub(crate) fn pairs_with(&self, other: &Self) -> Vec<[u32; 2]> {
+    pub(crate) fn try_pairs_with(&self, other: &Self, must_end: &MustEnd<'_>) -> Result<Vec<[u32; 2]>, Unfinished> {
         match (&self.0.kind, &other.0.kind) {
-            (Kind::BoxTree(own), Kind::BoxTree(other)) => own.pairs_with_tree(other),
-            (own, other) => own.as_partition().pairs_with(other.as_partition()),
+            (Kind::BoxTree(own), Kind::BoxTree(other)) => own.try_pairs_with_tree(other, must_end),
+            (own, other) => own.as_partition().try_pairs_with(other.as_partition(), must_end),
         }
     }
 }
@@ -283,10 +283,9 @@ impl PartitionCore {
 #[pyfunction]
 pub(crate) fn box_pairs<'py>(low: &Bound<'py, PyAny>, high: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
     let (py, boxes) = (low.py(), Boxes::read(low, high, EXPONENT)?.rows);
-    let pairs = workers::run(py, move |_| {
+    let pairs = workers::pairs(py, move |must_end| {
         let mut pairs = Vec::new();
-        ColumnSweep::new().find(&boxes, &mut pairs);
-        pairs
+        ColumnSweep::new().try_find(&boxes, &mut pairs, must_end).map(|()| pairs)
     })?;
     let count = pairs.len();
     row_array(py, pairs, &[count])

@@ -2,11 +2,13 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::sync::OnceLock;
 
 use super::configurations::Configurations;
 use super::near::{PlacedPart, pairs_near};
 use super::parts::{PartId, Scene};
 use crate::mesh::Interrupt;
+use crate::partition::Unfinished;
 use crate::query::batch::{Answers, Execution, Status, Stopped};
 use crate::query::{Cache, Penetrates, Proximity, Query, penetrates};
 
@@ -91,17 +93,29 @@ impl Scene {
         let mut check = Check { scene: self, question, configurations, placed_parts: Vec::new(), still: Vec::new() };
         if rows > 0 {
             check.placed_parts = check.still_parts();
-            check.still = check.still_pairs(execution)?;
+            check.still = check.still_pairs(stop, execution)?;
         }
+        // Memory that runs out in one row ends all rows.
+        let unfinished = OnceLock::new();
         let found = execution.rows(rows, HashMap::new, |caches, row, interrupt| {
-            let found = check.row(row, stop, caches, interrupt);
+            let found = check.row(row, stop, caches, interrupt).unwrap_or_else(|error| {
+                _ = unfinished.set(error);
+                Vec::new()
+            });
             (found, check.status(row))
         })?;
+        if let Some(unfinished) = unfinished.into_inner() {
+            return Err(unfinished.into());
+        }
         let (values, status): (Vec<Vec<FoundPair>>, Vec<Status>) = found.into_iter().unzip();
         let answers = Answers { shape: configurations.shape().to_vec(), values, status };
         Ok(answers.mark_undecided(|pairs| pairs.iter().any(|pair| pair.is_undecided)))
     }
 }
+
+/// Number of pairs that are checked together if the first one is wanted. With fewer, threads wait
+/// for each other; with more, pairs after the first are checked in vain.
+const PAIRS_PER_WAVE: usize = 1 << 10;
 
 struct Check<'c> {
     scene: &'c Scene,
@@ -110,7 +124,8 @@ struct Check<'c> {
     /// Placements of the parts that have one pose in all configurations. The other parts are
     /// [`PlacedPart::Nowhere`].
     placed_parts: Vec<PlacedPart>,
-    /// Pairs of parts that do not move for which the answer is yes, sorted.
+    /// Pairs of parts that do not move for which the answer is yes, sorted. With [`Stop::First`]
+    /// there is no more than the first.
     still: Vec<FoundPair>,
 }
 
@@ -124,15 +139,24 @@ impl Check<'_> {
         self.scene.parts().map(of).collect()
     }
 
-    /// Returns the pairs of parts that do not move for which the answer is yes.
-    fn still_pairs(&self, execution: Execution<'_>) -> Result<Vec<FoundPair>, Stopped> {
+    /// Returns the pairs of parts that do not move for which the answer is yes, or only the first.
+    fn still_pairs(&self, stop: Stop, execution: Execution<'_>) -> Result<Vec<FoundPair>, Stopped> {
         let placed_parts: Vec<Cow<'_, PlacedPart>> = self.placed_parts.iter().map(Cow::Borrowed).collect();
-        let pairs = pairs_near(self.scene, &placed_parts, |_, _| true);
         let quiet = execution.without_progress();
-        let found = quiet.rows(pairs.len(), Cache::default, |cache, at, interrupt| {
-            self.pair(pairs[at], &placed_parts, cache, interrupt)
-        })?;
-        Ok(found.into_iter().flatten().collect())
+        let pairs = pairs_near(self.scene, &placed_parts, quiet.interrupt(), |_, _| true)?;
+        let wave = if stop == Stop::First { PAIRS_PER_WAVE } else { pairs.len().max(1) };
+        let mut found = Vec::new();
+        for pairs in pairs.chunks(wave) {
+            let of_wave = quiet.rows(pairs.len(), Cache::default, |cache, at, interrupt| {
+                self.pair(pairs[at], &placed_parts, cache, interrupt)
+            })?;
+            found.extend(of_wave.into_iter().flatten());
+            if stop == Stop::First && !found.is_empty() {
+                found.truncate(1);
+                break;
+            }
+        }
+        Ok(found)
     }
 
     /// Returns the placements of all parts in a row.
@@ -162,10 +186,10 @@ impl Check<'_> {
         stop: Stop,
         caches: &mut HashMap<[PartId; 2], Cache>,
         interrupt: Interrupt<'_>,
-    ) -> Vec<FoundPair> {
+    ) -> Result<Vec<FoundPair>, Unfinished> {
         let placed_parts = self.placed_parts(row);
         let moves = |part: PartId| !self.configurations.is_still(part);
-        let pairs = pairs_near(self.scene, &placed_parts, |a, b| moves(a) || moves(b));
+        let pairs = pairs_near(self.scene, &placed_parts, interrupt, |a, b| moves(a) || moves(b))?;
         let first_still = self.still.first();
         let mut found = Vec::new();
         for pair in pairs {
@@ -178,7 +202,7 @@ impl Check<'_> {
             }
             found.extend(self.pair(pair, &placed_parts, caches.entry(pair).or_default(), interrupt));
             if stop == Stop::First && !found.is_empty() {
-                return found;
+                return Ok(found);
             }
         }
         match stop {
@@ -188,7 +212,7 @@ impl Check<'_> {
                 found.sort_unstable_by_key(|pair| pair.parts);
             }
         }
-        found
+        Ok(found)
     }
 
     /// Returns the pair if the answer for it is yes, and `None` otherwise.

@@ -1,9 +1,11 @@
 //! Errors of worlds.
 
+use std::collections::TryReserveError;
 use std::fmt;
 
 use super::body::BodyId;
 use crate::input::InputError;
+use crate::partition::Unfinished;
 
 /// The reason why a world refused a call. The world is unchanged.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +35,10 @@ pub enum WorldError {
     },
     /// All 2^32 - 1 slots for bodies are in use, or have used up their handles.
     Full,
+    /// The interrupt ended the step.
+    Interrupted,
+    /// The memory for the pairs of a step cannot be allocated.
+    OutOfMemory(TryReserveError),
 }
 
 impl fmt::Display for WorldError {
@@ -45,6 +51,10 @@ impl fmt::Display for WorldError {
             Self::NotAMesh { body } => {
                 write!(f, "body {body} is not a mesh, so it cannot be refitted: set its shape instead")
             }
+            Self::Interrupted => write!(f, "the step was interrupted"),
+            Self::OutOfMemory(_) => {
+                write!(f, "not enough memory for the pairs of the world: spread its bodies, or filter their pairs")
+            }
             Self::Full => write!(f, "the world has no free places for bodies (at most 2^32 - 1): remove some first"),
         }
     }
@@ -54,8 +64,24 @@ impl std::error::Error for WorldError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Input { error, .. } => Some(error),
+            Self::OutOfMemory(error) => Some(error),
             _ => None,
         }
+    }
+}
+
+impl From<Unfinished> for WorldError {
+    fn from(unfinished: Unfinished) -> Self {
+        match unfinished {
+            Unfinished::Interrupted => Self::Interrupted,
+            Unfinished::OutOfMemory(error) => Self::OutOfMemory(error),
+        }
+    }
+}
+
+impl From<TryReserveError> for WorldError {
+    fn from(error: TryReserveError) -> Self {
+        Self::OutOfMemory(error)
     }
 }
 

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use crate::mesh::Interrupt;
+use crate::partition::Unfinished;
 
 /// Number of blocks that rows are divided into, if blocks do not become too long: enough for many
 /// threads.
@@ -78,6 +79,11 @@ impl<'e> Execution<'e> {
     #[must_use]
     pub fn with_progress(self, progress: &'e (dyn Fn(usize) + Sync)) -> Self {
         Self { progress: Some(progress), ..self }
+    }
+
+    /// Returns the interrupt.
+    pub(crate) fn interrupt(self) -> Interrupt<'e> {
+        self.interrupt
     }
 
     /// Returns these options without a progress callback.
@@ -171,6 +177,15 @@ impl fmt::Display for Stopped {
         match self {
             Self::Interrupted => f.write_str("the batch was interrupted"),
             Self::OutOfMemory(_) => f.write_str("not enough memory for the answers"),
+        }
+    }
+}
+
+impl From<Unfinished> for Stopped {
+    fn from(unfinished: Unfinished) -> Self {
+        match unfinished {
+            Unfinished::Interrupted => Self::Interrupted,
+            Unfinished::OutOfMemory(error) => Self::OutOfMemory(error),
         }
     }
 }

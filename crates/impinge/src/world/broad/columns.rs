@@ -1,7 +1,8 @@
 //! Finds all pairs again at each step.
 
 use super::every::Every;
-use crate::partition::ColumnSweep;
+use crate::mesh::Interrupt;
+use crate::partition::{ColumnSweep, Unfinished};
 
 /// An array of boxes, and a sweep over it that keeps nothing between steps.
 #[derive(Clone, Debug, Default)]
@@ -12,11 +13,14 @@ pub(super) struct Columns {
 
 impl Columns {
     /// Returns all pairs of bodies whose boxes overlap.
-    pub(super) fn pairs(&mut self) -> Vec<[u32; 2]> {
+    ///
+    /// # Errors
+    /// Returns an error if the interrupt ended the sweep, or if there is not enough memory.
+    pub(super) fn pairs(&mut self, interrupt: Interrupt<'_>) -> Result<Vec<[u32; 2]>, Unfinished> {
         let mut pairs = Vec::new();
-        self.sweep.find(self.boxes.boxes(), &mut pairs);
+        self.sweep.try_find(self.boxes.boxes(), &mut pairs, &|| interrupt.is_wanted())?;
         let bodies = self.boxes.bodies();
         pairs.iter_mut().for_each(|pair| *pair = pair.map(|place| bodies[place as usize]));
-        pairs
+        Ok(pairs)
     }
 }

@@ -1,7 +1,9 @@
 //! Worlds: every broad phase finds all pairs, after any additions, removals and moves.
 
 mod boxes;
+mod crowds;
 mod events;
+mod interrupts;
 mod laws;
 mod rays;
 mod record;
