@@ -60,7 +60,7 @@ impl Shared {
         Self { world, shapes, is_taken: Mutex::new(false), freed: Condvar::new(), forks: workers::forks() }
     }
 
-    /// Returns `true` if this process made the value, and `false` if a parent made it before a fork.
+    /// Returns `true` if this process made the value, and `false` if a parent did before a fork.
     pub(crate) fn is_own(&self) -> bool {
         self.forks == workers::forks()
     }

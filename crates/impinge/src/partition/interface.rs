@@ -18,7 +18,8 @@ const POSITION_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
 /// Function that is called with the key of each box found. If it returns `Break`, the search ends.
 pub type Visitor<'v> = dyn FnMut(u32) -> ControlFlow<()> + 'v;
 
-/// Function that is called with the keys of each pair found. If it returns `Break`, the search ends.
+/// Function that is called with the keys of each pair found. If it returns `Break`, the search
+/// ends.
 pub type PairVisitor<'v> = dyn FnMut([u32; 2]) -> ControlFlow<()> + 'v;
 
 /// How a kind of partition divides space, and so in which cells a box is stored.

@@ -69,10 +69,11 @@ impl Mesh {
     }
 }
 
-/// Number of bytes per face that must be available for a build. It covers the peak of each builder
-/// for meshes of 2,000,000 faces. If it is too small, a build may end the process for want of
-/// memory; if it is too large, a build that would succeed is refused.
-const BUILD_BYTES_PER_FACE: usize = 256;
+/// Number of bytes per face that must be available for a build. The default builder of large meshes
+/// keeps a center and a scratch center of 16 bytes each, a place in the order of 4 bytes, and at
+/// most 28 bytes of nodes and leaves. If the number is too small, a build may end the process for
+/// want of memory; if it is too large, a build that would succeed is refused.
+const BUILD_BYTES_PER_FACE: usize = 64;
 
 /// Checks that the arrays that a build allocates can be allocated, before it begins.
 ///
