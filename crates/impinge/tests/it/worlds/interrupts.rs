@@ -4,14 +4,21 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use impinge::mesh::Interrupt;
 use impinge::shape::Shape;
-use impinge::world::{Body, BodyId, Kind, NarrowPhase, Options, World, WorldError};
+use impinge::world::{Body, BodyId, Kind, NarrowPhase, Options, RecordedBody, World, WorldError};
 use impinge_testkit::generate::Rng;
 
 use super::{BROAD_PHASES, pose};
 
-/// Returns everything about a world that its data tell.
+/// Returns everything that a step changes in a world. Shapes are left out, because they keep values
+/// that a query computed.
 fn described(world: &World) -> String {
-    format!("{:?}", world.save().to_record())
+    let record = world.save().to_record();
+    let of = |recorded: &RecordedBody| {
+        let (pose, bounds) = (recorded.body.world_from_body(), world.bounds(recorded.id).unwrap());
+        format!("{} {pose:?} {bounds:?} {:?}", recorded.id, recorded.change)
+    };
+    let bodies: Vec<String> = record.bodies.iter().map(of).collect();
+    format!("{bodies:?} {:?} {:?} {:?} {:?}", record.generations, record.free, record.pairs, record.departed)
 }
 
 /// Ends every step at its first, second, fourth, ... check, until one finishes. A twin is never
@@ -57,9 +64,9 @@ fn an_interrupted_step_leaves_the_world_as_it_was() {
                         }
                         Err(error) => panic!("{error}"),
                     }
-                    assert_eq!(described(&world), before, "{broad_phase:?}, {limit} checks");
+                    assert!(described(&world) == before, "{broad_phase:?}, {limit} checks");
                 }
-                assert_eq!(described(&world), described(&twin));
+                assert!(described(&world) == described(&twin), "{broad_phase:?}");
                 // Both are changed in the same way between the steps.
                 let body = rng.choose(&bodies);
                 for world in [&mut world, &mut twin] {
