@@ -17,7 +17,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{array, row_array};
 use crate::boxes::Boxes;
-use crate::errors::{Fault, kind_and_place, message};
+use crate::errors::{Fault, OUT_OF_MEMORY, kind_and_place, message};
 use crate::workers;
 
 /// Exponent of the magnitude below which coordinates of boxes must be, 2^320.
@@ -148,7 +148,8 @@ impl PartitionCore {
     ///
     /// # Errors
     /// `InputError` if a key is too large for the number of boxes, or if a key to remove has no
-    /// box. In both cases nothing changes.
+    /// box. In both cases nothing changes. `MemoryError` if there is not enough memory for the pairs;
+    /// the boxes have moved then.
     fn make(&self, py: Python<'_>, keys: &[u32], boxes: &[MinMax], gone: &[u32]) -> PyResult<Changes> {
         let made = py.detach(|| {
             let mut held = self.lock();
@@ -171,6 +172,7 @@ impl PartitionCore {
             if let Some(partition) = held.kind.as_dynamic() {
                 partition.step(&comes.chain(goes).collect::<Vec<_>>(), &mut changes);
             }
+            changes.check_complete().map_err(|error| Fault::new(OUT_OF_MEMORY, "keys", error.to_string()))?;
             Ok(changes)
         });
         made.map_err(|fault| fault.raised(py))

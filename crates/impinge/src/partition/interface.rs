@@ -227,6 +227,8 @@ pub trait Dynamic: Partition {
 
     /// Applies all moves, and writes to `changes` which pairs began to overlap and which ceased to.
     ///
+    /// If there is not enough memory for the pairs, [`Changes::check_complete`] returns an error.
+    ///
     /// The result does not depend on the order of moves of different keys. If a key is moved
     /// several times, its last move counts.
     fn step(&mut self, moves: &[Move], changes: &mut Changes) {

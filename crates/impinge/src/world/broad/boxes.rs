@@ -192,6 +192,7 @@ impl Boxes {
         };
         let mut changes = Changes::default();
         dynamic.step(moves, &mut changes);
+        changes.check_complete()?;
         Ok(KnownPairs::Changes(changes))
     }
 
