@@ -148,8 +148,8 @@ impl PartitionCore {
     ///
     /// # Errors
     /// `InputError` if a key is too large for the number of boxes, or if a key to remove has no
-    /// box. In both cases nothing changes. `MemoryError` if there is not enough memory for the pairs;
-    /// the boxes have moved then.
+    /// box. In both cases nothing changes. `MemoryError` if there is not enough memory for the
+    /// pairs; the boxes have moved then.
     fn make(&self, py: Python<'_>, keys: &[u32], boxes: &[MinMax], gone: &[u32]) -> PyResult<Changes> {
         let made = py.detach(|| {
             let mut held = self.lock();

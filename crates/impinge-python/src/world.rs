@@ -56,27 +56,13 @@ impl WorldCore {
             let message = "a filter cannot query the world, which is changing while the filter runs";
             return Err(PyRuntimeError::new_err(message));
         }
-        let shared = self.shared()?;
+        let shared = Shared::of_this_process(&self.shared)?;
         loop {
             if let Some(turn) = py.detach(|| shared.take()) {
                 return Ok(turn);
             }
             py.check_signals()?;
         }
-    }
-
-    /// Returns the world of this process.
-    ///
-    /// # Errors
-    /// A `RuntimeError` if another thread was changing the world when this process was forked.
-    fn shared(&self) -> PyResult<Arc<Shared>> {
-        let mut shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
-        if !shared.is_own() {
-            let message = "another thread was changing the world when this process was forked: \
-                           make a new world, and restore a state that was saved before";
-            *shared = Arc::new(shared.copied().ok_or_else(|| PyRuntimeError::new_err(message))?);
-        }
-        Ok(shared.clone())
     }
 
     /// Returns the result of `look` for the world, without holding the interpreter.

@@ -5,6 +5,8 @@ use std::sync::{
 };
 
 use impinge::world::World;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
 
 use crate::workers;
 use crate::world_state::Shapes;
@@ -60,15 +62,25 @@ impl Shared {
         Self { world, shapes, is_taken: Mutex::new(false), freed: Condvar::new(), forks: workers::forks() }
     }
 
-    /// Returns `true` if this process made the value, and `false` if a parent did before a fork.
-    pub(crate) fn is_own(&self) -> bool {
-        self.forks == workers::forks()
+    /// Returns the world of this process. After a fork it replaces the world of the parent by a
+    /// copy. The thread must be attached to the interpreter, so that no fork leaves `own` locked.
+    ///
+    /// # Errors
+    /// A `RuntimeError` if another thread was changing the world when this process was forked.
+    pub(crate) fn of_this_process(own: &Mutex<Arc<Self>>) -> PyResult<Arc<Self>> {
+        let mut own = own.lock().unwrap_or_else(PoisonError::into_inner);
+        if own.forks != workers::forks() {
+            let message = "another thread was changing the world when this process was forked: \
+                           make a new world, and restore a state that was saved before";
+            *own = Arc::new(own.copied().ok_or_else(|| PyRuntimeError::new_err(message))?);
+        }
+        Ok(own.clone())
     }
 
     /// Returns a copy of the world of a parent, for use in this process. Threads of the parent do
     /// not exist here, so turns that they had never end. Returns `None` if such a thread was
     /// changing the world.
-    pub(crate) fn copied(&self) -> Option<Self> {
+    fn copied(&self) -> Option<Self> {
         let own = Self::new(self.world.try_read().map_or_else(unpoisoned, Some)?.clone());
         let shapes = self.shapes.try_lock().map_or_else(unpoisoned, Some)?.clone();
         Some(Self { shapes: Mutex::new(shapes), ..own })

@@ -114,7 +114,7 @@ impl Scene {
 }
 
 /// Number of pairs that are checked together if the first one is wanted. With fewer, threads wait
-/// for each other; with more, pairs after the first are checked in vain.
+/// for each other; with more, more pairs after the first are checked.
 const PAIRS_PER_WAVE: usize = 1 << 10;
 
 struct Check<'c> {

@@ -6,10 +6,13 @@ use super::broad::{Among, KnownPairs};
 use super::error::WorldError;
 use super::outline::Bounds;
 use super::pairs::Link;
-use super::step::MIN_TASK;
 use super::{Change, Kind, State, World};
 use crate::mesh::Interrupt;
 use crate::storage::{TryPush, try_concat};
+
+/// Minimum number of bodies or pairs per parallel task. With fewer, starting a task costs more than
+/// it saves.
+pub(super) const MIN_TASK: usize = 64;
 
 /// The candidate pairs of which a body changed.
 #[derive(Debug, Default)]

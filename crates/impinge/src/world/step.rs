@@ -12,16 +12,12 @@ use super::events::{Events, Work};
 use super::narrow::Meeting;
 use super::outline::{Bounds, Extremes};
 use super::placed::ValidPlacement;
-use super::search::Candidates;
+use super::search::{Candidates, MIN_TASK};
 use super::{Change, State, World, refused};
 use crate::math::Pose;
 use crate::mesh::Interrupt;
 use crate::partition::{Move, Unfinished};
 use crate::simd::prefetch;
-
-/// Minimum number of bodies or pairs per parallel task. With fewer, starting a task costs more than
-/// it saves.
-pub(super) const MIN_TASK: usize = 64;
 
 /// Number of bodies whose memory is prefetched together. A processor loads about this number of
 /// places at the same time, and they stay in its first caches until they are used.

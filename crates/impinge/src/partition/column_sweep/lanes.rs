@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u8x32, u32x8};
 
-use super::Found;
+use super::found::Found;
 use super::record::{Record, Verdict, probe};
 use super::slots::Slots;
 

@@ -15,6 +15,7 @@
 //! Guarded by `tests/it/partition/columns.rs`, measured by the benchmark `partitions`.
 
 mod columns;
+mod found;
 mod frame;
 mod lanes;
 mod order;
@@ -31,6 +32,7 @@ use super::{MustEnd, Unfinished};
 use crate::simd::{best_level, dispatch};
 use crate::volume::{BoundingVolume, MinMax};
 use columns::Columns;
+use found::Found;
 use frame::{Frame, Image, LEVELS, MAX_EXTENT, nearest};
 use lanes::{Lanes, Span};
 use order::sort_pairs;
@@ -72,32 +74,6 @@ pub struct ColumnSweep {
 struct Sweeper {
     lanes: Lanes,
     found: Found,
-}
-
-/// Pairs that a thread found, unsorted.
-#[derive(Clone, Debug, Default)]
-struct Found {
-    pairs: Vec<[u32; 2]>,
-    /// Reason why the search ended early.
-    ended: Option<Unfinished>,
-}
-
-impl Found {
-    /// Reserves memory for more pairs. Returns `false` if the search ended.
-    #[inline]
-    fn reserve(&mut self, count: usize) -> bool {
-        if self.ended.is_none() && self.pairs.capacity() - self.pairs.len() < count {
-            self.ended = self.pairs.try_reserve(count).err().map(Unfinished::OutOfMemory);
-        }
-        self.ended.is_none()
-    }
-
-    #[inline]
-    fn push(&mut self, pair: [u32; 2]) {
-        if self.reserve(1) {
-            self.pairs.push(pair);
-        }
-    }
 }
 
 /// The columns of one coarse level, one after the other.
