@@ -241,7 +241,8 @@ class Shape(_impinge.ShapeBase):
         Raises
         ------
         InputError
-            If there are no parts, or if a pose, or a product of poses, is invalid.
+            If there are no parts, if there are more than 2^20 parts, those of nested compounds
+            included, or if a pose, or a product of poses, is invalid.
 
         Examples
         --------

@@ -163,8 +163,10 @@ class World(WorldQueries):
         InputError
             If a handle is stale, a body is static, or a pose is invalid, or not rigid and the shape
             is round. The error names the entry; no body is moved.
+        MemoryError, KeyboardInterrupt
+            If memory runs out, or at Ctrl-C before pairs are stored. The world is unchanged.
         Exception
-            Any exception of the filter. The pair counts as admitted; the step is complete.
+            From the filter. The pair counts as admitted; the step is complete.
         """
         if (bodies is None) != (poses is None):
             what = "poses" if poses is None else "bodies"
@@ -324,10 +326,9 @@ class World(WorldQueries):
         ----------
         admits : callable or None
             ``admits(a, b)`` returns whether two bodies may collide; None admits all pairs. The
-            arguments are handles, sorted by tag, then by handle. It is called for pairs with
-            overlapping boxes that kinds, layers and owners admit, by one thread at a time, so that
-            layers and owners are much faster. It must always return the same result for the same
-            pair, and must not call this world, nor impinge with many rows.
+            arguments are handles, sorted by tag, then by handle. One thread at a time calls it for
+            pairs of overlapping boxes that kinds, layers and owners admit, which are much faster.
+            Its result must not change. It must not call this world, nor impinge with many rows.
         """
         if admits is not None and not callable(admits):
             raise InputError(f"must be callable, not {type(admits).__name__}", kind="type", what="admits")

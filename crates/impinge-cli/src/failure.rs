@@ -61,6 +61,7 @@ impl Failure {
             InputErrorKind::OutOfRange { .. } => "out-of-range",
             InputErrorKind::IndexOutOfBounds { .. } => "index-out-of-bounds",
             InputErrorKind::TooMany { .. } => "too-many",
+            InputErrorKind::OutOfMemory { .. } => "out-of-memory",
             InputErrorKind::NotAffine { .. } => "not-affine",
             InputErrorKind::Singular => "singular",
             InputErrorKind::NotUnitQuaternion { .. } => "not-unit-quaternion",

@@ -3,10 +3,13 @@
 
 use impinge::{InputError, InputErrorKind};
 use impinge_files::{LoadError, LoadErrorKind};
-use pyo3::exceptions::PyOSError;
+use pyo3::exceptions::{PyMemoryError, PyOSError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple};
+
+/// Kind of the errors that are raised as `MemoryError`.
+pub(crate) const OUT_OF_MEMORY: &str = "out-of-memory";
 
 /// An error in an argument, as `impinge.InputError` reports it.
 pub(crate) struct Fault {
@@ -38,8 +41,12 @@ impl Fault {
         self
     }
 
-    /// Returns the exception for this error.
+    /// Returns the exception for this error: a `MemoryError` if there is not enough memory, and an
+    /// `InputError` otherwise.
     pub(crate) fn raised(self, py: Python<'_>) -> PyErr {
+        if self.kind == OUT_OF_MEMORY {
+            return PyMemoryError::new_err(format!("{}: {}", self.argument, self.message));
+        }
         let at = match PyTuple::new(py, self.at) {
             Ok(at) => at.into_any(),
             Err(error) => return error,
@@ -76,6 +83,7 @@ pub(crate) fn kind_and_place(error: &InputError) -> (&'static str, Vec<usize>) {
         InputErrorKind::IndexOutOfBounds { face, .. } => ("index-out-of-bounds", vec![face]),
         InputErrorKind::OtherCount { .. } => ("shape", Vec::new()),
         InputErrorKind::TooMany { .. } => ("too-many", Vec::new()),
+        InputErrorKind::OutOfMemory { .. } => (OUT_OF_MEMORY, Vec::new()),
         InputErrorKind::NotAffine { .. } => ("not-affine", vec![3]),
         InputErrorKind::Singular => ("singular", Vec::new()),
         InputErrorKind::NotUnitQuaternion { .. } => ("not-unit-quaternion", Vec::new()),

@@ -7,6 +7,7 @@ use impinge::volume::Proxies;
 use impinge::{Mesh, Positions};
 use impinge_files::{Baked, LoadError};
 use numpy::{Element, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
@@ -242,7 +243,21 @@ pub(crate) fn read_positions(vertices: &Bound<'_, PyAny>) -> PyResult<Positions>
 }
 
 fn triples<T: Element + Copy>(array: &PyReadonlyArray2<'_, T>) -> PyResult<Vec<[T; 3]>> {
-    Ok(array.as_slice()?.as_chunks::<3>().0.to_vec())
+    let rows = array.as_slice()?.as_chunks::<3>().0;
+    let mut copy = reserved(rows.len())?;
+    copy.extend_from_slice(rows);
+    Ok(copy)
+}
+
+/// Returns an empty list with memory for rows of an array.
+///
+/// # Errors
+/// `MemoryError` if the memory cannot be allocated.
+fn reserved<T>(rows: usize) -> PyResult<Vec<T>> {
+    let mut list = Vec::new();
+    let refused = |_| PyMemoryError::new_err(format!("there is not enough memory for {rows} rows"));
+    list.try_reserve_exact(rows).map_err(refused)?;
+    Ok(list)
 }
 
 fn read_faces(faces: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Vec<[u32; 3]>> {
@@ -265,7 +280,7 @@ where
     T: Element + Copy + std::fmt::Display + TryInto<u32>,
 {
     let py = faces.py();
-    let mut narrow = Vec::with_capacity(faces.shape()[0]);
+    let mut narrow = reserved(faces.shape()[0])?;
     for (row, face) in faces.as_slice()?.as_chunks::<3>().0.iter().enumerate() {
         let mut corners = [0; 3];
         for (corner, index) in face.iter().enumerate() {

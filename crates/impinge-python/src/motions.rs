@@ -2,11 +2,11 @@
 
 use impinge::budget::Stopped;
 use impinge::query::batch::{Broadcast, Execution};
-use impinge::sweep::{self, Impact, Motion, Sweep};
+use impinge::sweep::{self, Impact, Motion, Sweep, Touch};
 use impinge::{InputError, Pose};
 use pyo3::prelude::*;
 
-use crate::arrays::array;
+use crate::arrays::{array, row_array};
 use crate::errors::{Fault, kind_and_place, message};
 use crate::points::Points;
 use crate::poses;
@@ -143,7 +143,40 @@ pub(crate) fn time_of_impact<'py>(
     let impacts: Result<Vec<Impact>, InputError> = impacts.into_iter().collect();
     let impacts =
         impacts.map_err(|error| Fault::new(kind_and_place(&error).0, "motion", message(&error)).raised(py))?;
-    bounds(py, &impacts, &shape)
+    places(py, &impacts, &shape)
+}
+
+/// Returns the two bounds of each time, then the point, the normal, the parts and the faces of each
+/// first touch: NaN and -1 for an impact without one.
+fn places<'py>(py: Python<'py>, impacts: &[Impact], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    let vectors = |of: fn(&Touch) -> [f64; 3]| {
+        let rows = impacts.iter().map(|impact| impact.touch.as_ref().map_or([f64::NAN; 3], of));
+        row_array(py, rows.collect(), shape)
+    };
+    let numbers = |of: fn(&Touch) -> [Option<u32>; 2]| {
+        let rows = impacts.iter().map(|impact| impact.touch.as_ref().map_or([None; 2], of));
+        row_array(py, rows.map(|row| row.map(|number| number.map_or(-1, i64::from))).collect(), shape)
+    };
+    let (lower, upper) =
+        (times(py, impacts, shape, |impact| impact.t_lower)?, times(py, impacts, shape, |impact| impact.t_upper)?);
+    let answer = (
+        lower,
+        upper,
+        vectors(|touch| touch.point)?,
+        vectors(|touch| touch.normal)?,
+        numbers(|touch| touch.parts.map(Some))?,
+        numbers(|touch| touch.faces)?,
+    );
+    Ok(answer.into_pyobject(py)?.into_any())
+}
+
+fn times<'py>(
+    py: Python<'py>,
+    impacts: &[Impact],
+    shape: &[usize],
+    of: fn(&Impact) -> f64,
+) -> PyResult<Bound<'py, PyAny>> {
+    array(py, impacts.iter().map(of).collect(), shape)
 }
 
 /// Time of impact about which nothing is proved.
@@ -151,8 +184,9 @@ const SAFE: Impact = Impact { t_lower: 0.0, t_upper: f64::INFINITY, touch: None 
 
 /// Returns the lower and the upper bound of each time, as two arrays.
 pub(crate) fn bounds<'py>(py: Python<'py>, impacts: &[Impact], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
-    let of = |bound: fn(&Impact) -> f64| array(py, impacts.iter().map(bound).collect(), shape);
-    Ok((of(|impact| impact.t_lower)?, of(|impact| impact.t_upper)?).into_pyobject(py)?.into_any())
+    let (lower, upper) =
+        (times(py, impacts, shape, |impact| impact.t_lower)?, times(py, impacts, shape, |impact| impact.t_upper)?);
+    Ok((lower, upper).into_pyobject(py)?.into_any())
 }
 
 /// Returns the two bounds of the time at which a vertex and a face first touch. Arguments are their

@@ -133,7 +133,7 @@ pub(crate) fn partition_nearest<'py>(
 #[pyfunction]
 pub(crate) fn partition_pairs<'py>(partition: &Bound<'py, PartitionCore>) -> PyResult<Bound<'py, PyAny>> {
     let (py, snapshot) = (partition.py(), partition.get().snapshot(partition.py()));
-    let pairs = workers::run(py, move |_| snapshot.get().pairs())?;
+    let pairs = workers::pairs(py, move |budget| snapshot.get().try_pairs(budget))?;
     let count = pairs.len();
     row_array(py, pairs, &[count])
 }
@@ -146,7 +146,7 @@ pub(crate) fn partition_pairs_with<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = partition.py();
     let (own, other) = (partition.get().snapshot(py), other.get().snapshot(py));
-    let pairs = workers::run(py, move |_| own.pairs_with(&other))?;
+    let pairs = workers::pairs(py, move |budget| own.try_pairs_with(&other, budget))?;
     let count = pairs.len();
     row_array(py, pairs, &[count])
 }

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use impinge::InputError;
 use impinge::partition::{
     Axis, BoxTree, BspTree, Cells, Changes, ColumnSweep, Dynamic, HashedGrid, HierarchicalGrid, KdTree, LooseOctree,
-    Move, Octree, Partition, SweepOneAxis, SweepThreeAxes, UniformGrid,
+    Move, MustEnd, Octree, Partition, Stopped, SweepOneAxis, SweepThreeAxes, UniformGrid,
 };
 use impinge::volume::MinMax;
 use numpy::{PyArray1, PyArrayMethods};
@@ -17,7 +17,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{array, row_array};
 use crate::boxes::Boxes;
-use crate::errors::{Fault, kind_and_place, message};
+use crate::errors::{Fault, OUT_OF_MEMORY, kind_and_place, message};
 use crate::workers;
 
 /// Exponent of the magnitude below which coordinates of boxes must be, 2^320.
@@ -126,10 +126,10 @@ impl Snapshot {
         self.0.kind.as_partition()
     }
 
-    pub(crate) fn pairs_with(&self, other: &Self) -> Vec<[u32; 2]> {
+    pub(crate) fn try_pairs_with(&self, other: &Self, budget: &Budget<'_>) -> Result<Vec<[u32; 2]>, Stopped> {
         match (&self.0.kind, &other.0.kind) {
-            (Kind::BoxTree(own), Kind::BoxTree(other)) => own.pairs_with_tree(other),
-            (own, other) => own.as_partition().pairs_with(other.as_partition()),
+            (Kind::BoxTree(own), Kind::BoxTree(other)) => own.try_pairs_with_tree(other, budget),
+            (own, other) => own.as_partition().try_pairs_with(other.as_partition(), budget),
         }
     }
 }
@@ -148,7 +148,8 @@ impl PartitionCore {
     ///
     /// # Errors
     /// `InputError` if a key is too large for the number of boxes, or if a key to remove has no
-    /// box. In both cases nothing changes.
+    /// box. In both cases nothing changes. `MemoryError` if there is not enough memory for the
+    /// pairs; the boxes have moved then.
     fn make(&self, py: Python<'_>, keys: &[u32], boxes: &[MinMax], gone: &[u32]) -> PyResult<Changes> {
         let made = py.detach(|| {
             let mut held = self.lock();
@@ -171,6 +172,7 @@ impl PartitionCore {
             if let Some(partition) = held.kind.as_dynamic() {
                 partition.step(&comes.chain(goes).collect::<Vec<_>>(), &mut changes);
             }
+            changes.check_complete().map_err(|error| Fault::new(OUT_OF_MEMORY, "keys", error.to_string()))?;
             Ok(changes)
         });
         made.map_err(|fault| fault.raised(py))
@@ -283,10 +285,9 @@ impl PartitionCore {
 #[pyfunction]
 pub(crate) fn box_pairs<'py>(low: &Bound<'py, PyAny>, high: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
     let (py, boxes) = (low.py(), Boxes::read(low, high, EXPONENT)?.rows);
-    let pairs = workers::run(py, move |_| {
+    let pairs = workers::pairs(py, move |budget| {
         let mut pairs = Vec::new();
-        ColumnSweep::new().find(&boxes, &mut pairs);
-        pairs
+        ColumnSweep::new().try_find(&boxes, &mut pairs, budget).map(|()| pairs)
     })?;
     let count = pairs.len();
     row_array(py, pairs, &[count])

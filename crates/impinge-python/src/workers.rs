@@ -66,8 +66,8 @@ impl Watch {
     }
 }
 
-/// Whether this process is the child of a process that imported the module.
-static FORKED: AtomicBool = AtomicBool::new(false);
+/// Number of forks between the process that imported the module and this process.
+static FORKS: AtomicUsize = AtomicUsize::new(0);
 
 /// Pools with their numbers of threads; the last used pool is last.
 static POOLS: Mutex<Vec<(usize, Arc<ThreadPool>)>> = Mutex::new(Vec::new());
@@ -82,9 +82,15 @@ pub(crate) fn limit_default_pool() {
 /// Forgets all pools. Python must call it in the child after each fork.
 #[pyfunction]
 pub(crate) fn after_fork() {
-    FORKED.store(true, Ordering::Relaxed);
+    FORKS.fetch_add(1, Ordering::Relaxed);
     // Dropping the pools would send signals to threads that do not exist in this process.
     std::mem::forget(std::mem::take(&mut *POOLS.lock().unwrap_or_else(PoisonError::into_inner)));
+}
+
+/// Returns the number of forks between the process that imported the module and this process. State
+/// that was made with another number belongs to a parent, whose threads may have left it locked.
+pub(crate) fn forks() -> usize {
+    FORKS.load(Ordering::Relaxed)
 }
 
 /// Makes the caller's thread do its parallel work alone. A forked process needs this, because its
@@ -93,7 +99,7 @@ fn work_alone() {
     thread_local! {
         static ALONE: OnceCell<()> = const { OnceCell::new() };
     }
-    if FORKED.load(Ordering::Relaxed) {
+    if forks() > 0 {
         ALONE.with(|alone| {
             alone.get_or_init(|| {
                 let own = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
@@ -203,6 +209,17 @@ pub(crate) fn execute_interruptibly<T: Send + 'static>(
         }
     }
     on_pool(py, call, work)
+}
+
+/// Returns all pairs that `find` finds, on the pool.
+///
+/// # Errors
+/// `MemoryError` if there is not enough memory for the pairs.
+pub(crate) fn pairs(
+    py: Python<'_>,
+    find: impl FnOnce(&Budget<'_>) -> Result<Vec<[u32; 2]>, Stopped> + Send + 'static,
+) -> PyResult<Vec<[u32; 2]>> {
+    run(py, find)?.map_err(limits::raised)
 }
 
 /// Does work on the caller's thread, which checks for signals from time to time. The work is

@@ -7,6 +7,7 @@
 use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use impinge::Budget;
 use impinge::query::Proximity;
 use impinge::world::{Body, BodyId, Options, PairKey, Traits, World, WorldError};
 use impinge::{Pose, Positions};
@@ -31,7 +32,9 @@ use crate::world_turn::{Shared, Turn};
 /// Contents of `impinge.World`.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct WorldCore {
-    shared: Arc<Shared>,
+    /// The lock is held only while the thread is attached to the interpreter, so no fork leaves it
+    /// locked.
+    shared: Mutex<Arc<Shared>>,
     /// Exception that a filter raised in the current step.
     raised: Arc<Mutex<Option<PyErr>>>,
 }
@@ -53,8 +56,9 @@ impl WorldCore {
             let message = "a filter cannot query the world, which is changing while the filter runs";
             return Err(PyRuntimeError::new_err(message));
         }
+        let shared = Shared::of_this_process(&self.shared)?;
         loop {
-            if let Some(turn) = py.detach(|| self.shared.take()) {
+            if let Some(turn) = py.detach(|| shared.take()) {
                 return Ok(turn);
             }
             py.check_signals()?;
@@ -101,7 +105,7 @@ impl WorldCore {
             narrow_phase: chosen(narrow_phase, "narrow_phase", &NARROW_PHASES)?,
         };
         let shared = Shared::new(World::with_options(options));
-        Ok(Self { shared: Arc::new(shared), raised: Arc::default() })
+        Ok(Self { shared: Mutex::new(Arc::new(shared)), raised: Arc::default() })
     }
 
     fn count(&self, py: Python<'_>) -> PyResult<usize> {
@@ -190,9 +194,9 @@ impl WorldCore {
         let moves: Vec<(BodyId, Pose)> = ids.iter().copied().zip(poses).collect();
         let turn = self.turn(py)?;
         drop(self.raised());
-        let events = workers::run(py, move |_| {
+        let events = workers::run(py, move |budget| {
             let mut world = turn.write();
-            let events = world.step(&moves)?.clone();
+            let events = world.step_with_budget(&moves, budget)?.clone();
             let is_persisting = |pair: &PairKey| events.began.binary_search(pair).is_err();
             let stay = persisting.then(|| world.pairs().map(|pair| pair.key).filter(is_persisting).collect::<Vec<_>>());
             Ok((events, stay))

@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::arrays::row_array;
-use crate::errors::{Fault, kind_and_place, message};
+use crate::errors::{Fault, OUT_OF_MEMORY, kind_and_place, message};
 
 /// A shape, the realignment of its box, and the poses of bodies with that shape.
 pub(crate) type Placement<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
@@ -96,6 +96,7 @@ pub(crate) fn refused(error: &WorldError, argument: &str, row: usize) -> Fault {
         WorldError::Stale { .. } => ("stale", error.to_string(), None),
         WorldError::Static { .. } => ("static", error.to_string(), Some("set_poses() moves it, between two steps")),
         WorldError::NotAMesh { .. } => ("type", error.to_string(), None),
+        WorldError::Stopped(Stopped::Memory) => (OUT_OF_MEMORY, error.to_string(), None),
         _ => ("too-many", error.to_string(), None),
     };
     Fault::new(kind, argument, text).at(vec![row]).hint(hint)

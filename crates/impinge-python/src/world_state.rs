@@ -154,12 +154,12 @@ impl WorldState {
             return Err(broken("the numbers of bodies"));
         }
         let mut recorded = Vec::with_capacity(ids.len());
-        let mut sources = Shapes::default();
+        let mut objects_of = Vec::with_capacity(ids.len());
         // Bodies of one shape share its bounds.
         let mut plain: HashMap<(u32, Realignment), Body> = HashMap::new();
         for (((id, shape), pose), (traits, change, way)) in ids.into_iter().zip(shape_of).zip(poses).zip(traits) {
             let (source, own) = made.get(shape as usize).ok_or_else(|| broken("the numbers of shapes"))?;
-            sources.set(id, Some(source.clone()));
+            objects_of.push((id, source.clone()));
             let body = match plain.entry((shape, way)) {
                 Entry::Occupied(known) => known.into_mut(),
                 Entry::Vacant(free) => {
@@ -180,6 +180,9 @@ impl WorldState {
         let record = Record { bodies: recorded, generations, free, pairs, departed: departed.collect() };
         let snapshot = py.detach(|| Snapshot::from_record(&record, &options));
         let snapshot = snapshot.map_err(|flaw| Fault::new("state", "state", flaw.to_string()).raised(py))?;
+        // The snapshot is valid, so no handle is larger than the number of places.
+        let mut sources = Shapes::default();
+        objects_of.into_iter().for_each(|(id, source)| sources.set(id, Some(source)));
         Ok(Self { snapshot, shapes: sources, options })
     }
 

@@ -3,7 +3,7 @@
 //! Long loops check their budget about every 100 microseconds, and lists that grow with the answer
 //! take their memory from it. Tests: `tests/it/engine/budgets.rs`, `tests/it/engine/canceled.rs`.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, TryReserveError};
 use std::error::Error;
 use std::fmt;
 use std::hash::Hash;
@@ -150,6 +150,11 @@ impl<'b> Budget<'b> {
         self.is_limited && self.is_limit_reached()
     }
 
+    /// Counts a step, and returns an error if the work must end.
+    pub(crate) fn check(&self) -> Result<(), Stopped> {
+        if self.is_spent() { Err(self.stopped().unwrap_or(Stopped::Canceled)) } else { Ok(()) }
+    }
+
     fn is_limit_reached(&self) -> bool {
         if self.stopped().is_some() {
             return true;
@@ -173,21 +178,27 @@ impl<'b> Budget<'b> {
     /// [`Vec::reserve`] does.
     #[must_use]
     pub(crate) fn reserve<T>(&self, list: &mut Vec<T>, additional: usize) -> bool {
-        if additional <= list.capacity() - list.len() {
-            return true;
-        }
         if !self.is_limited {
             list.reserve(additional);
             return true;
+        }
+        self.try_reserve(list, additional).is_ok()
+    }
+
+    /// Makes room in a list, as [`reserve`](Self::reserve) does. Without a budget it returns an
+    /// error too, and not the end of the process.
+    pub(crate) fn try_reserve<T>(&self, list: &mut Vec<T>, additional: usize) -> Result<(), Stopped> {
+        if additional <= list.capacity() - list.len() {
+            return Ok(());
         }
         let grown = list.len().saturating_add(additional).max(list.capacity().saturating_mul(2));
         let bytes = (grown - list.capacity()).saturating_mul(size_of::<T>()) as u64;
         let is_allowed = self.bytes.as_ref().is_none_or(|left| take(left, bytes).is_ok());
         if is_allowed && list.try_reserve_exact(grown - list.len()).is_ok() {
-            return true;
+            return Ok(());
         }
         self.reach(Stopped::Memory);
-        false
+        Err(Stopped::Memory)
     }
 
     /// Makes room for `additional` more entries in a map, as [`reserve`](Self::reserve) does in a
@@ -251,3 +262,9 @@ impl fmt::Display for Stopped {
 }
 
 impl Error for Stopped {}
+
+impl From<TryReserveError> for Stopped {
+    fn from(_: TryReserveError) -> Self {
+        Self::Memory
+    }
+}

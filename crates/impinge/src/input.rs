@@ -39,9 +39,18 @@ pub enum InputErrorKind {
         /// Number of vertices.
         len: usize,
     },
-    /// There are more vertices or faces than 32-bit indices can name.
+    /// There are more elements than the library accepts.
     TooMany {
-        /// Noun for the elements: `"vertices"` or `"faces"`.
+        /// Noun for the elements, such as `"vertices"`, `"faces"` or `"parts"`.
+        what: &'static str,
+        /// Number of elements given.
+        count: usize,
+        /// Maximum number of elements that is accepted.
+        limit: usize,
+    },
+    /// The memory for the result cannot be allocated.
+    OutOfMemory {
+        /// Noun for the elements that need the memory, such as `"faces"`.
         what: &'static str,
         /// Number of elements given.
         count: usize,
@@ -146,9 +155,10 @@ impl fmt::Display for InputError {
             InputErrorKind::IndexOutOfBounds { face, index, len } => {
                 write!(f, "face {face} names vertex {index}, but there are {len} vertices")?;
             }
-            InputErrorKind::TooMany { what, count } => {
-                write!(f, "{count} {what} are more than 32-bit indices can name")?
+            InputErrorKind::TooMany { what, count, limit } => {
+                write!(f, "{count} {what} are too many: the maximum is {limit}")?;
             }
+            InputErrorKind::OutOfMemory { what, count } => write!(f, "there is not enough memory for {count} {what}")?,
             InputErrorKind::OtherCount { what, count, expected } => {
                 write!(f, "{count} {what} were given, but {expected} are needed")?;
             }

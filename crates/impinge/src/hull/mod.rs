@@ -341,8 +341,9 @@ pub(crate) fn validate_points<T: Copy + Into<f64> + Sync>(points: &[[T; 3]]) -> 
     if points.is_empty() {
         return Err(InputError::new(InputErrorKind::Empty { what: "points" }));
     }
-    if points.len() >= u32::MAX as usize {
-        return Err(InputError::new(InputErrorKind::TooMany { what: "points", count: points.len() }));
+    let (count, limit) = (points.len(), u32::MAX as usize - 1);
+    if count > limit {
+        return Err(InputError::new(InputErrorKind::TooMany { what: "points", count, limit }));
     }
     let empty = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     let least = |x: [f64; 3], y: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| x[k].min(y[k])) };

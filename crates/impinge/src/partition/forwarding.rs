@@ -24,8 +24,8 @@ macro_rules! forward_to_inner {
                 self.0.overlapping_counted(bounds, work, visit)
             }
 
-            fn pairs(&self) -> Vec<[u32; 2]> {
-                self.0.pairs()
+            fn for_each_pair(&self, visit: &mut PairVisitor<'_>) -> ControlFlow<()> {
+                self.0.for_each_pair(visit)
             }
         }
 

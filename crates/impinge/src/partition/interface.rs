@@ -6,7 +6,9 @@ use super::best::{Best, LIMIT, distance_squared, in_range};
 use super::changes::{Changes, Move};
 use super::items::Holds;
 use super::neighbor::Neighbor;
+use super::pair_list::PairList;
 use super::ray::Ray;
+use crate::budget::{Budget, Stopped};
 use crate::volume::{BoundingVolume, MinMax};
 
 /// Bound on the error of a computed position along a ray, relative to the sum of the sizes of its
@@ -16,6 +18,10 @@ const POSITION_ERROR: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Function that is called with the key of each box found. If it returns `Break`, the search ends.
 pub type Visitor<'v> = dyn FnMut(u32) -> ControlFlow<()> + 'v;
+
+/// Function that is called with the keys of each pair found. If it returns `Break`, the search
+/// ends.
+pub type PairVisitor<'v> = dyn FnMut([u32; 2]) -> ControlFlow<()> + 'v;
 
 /// How a kind of partition divides space, and so in which cells a box is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,36 +124,83 @@ pub trait Partition: Holds {
         nearest_in_cubes(self, point, count)
     }
 
+    /// Visits all pairs of boxes that overlap, each once, the smaller key first, in no particular
+    /// order. Exact. Returns `Break` if the visitor ended the search.
+    fn for_each_pair(&self, visit: &mut PairVisitor<'_>) -> ControlFlow<()> {
+        let mut flow = ControlFlow::Continue(());
+        self.each(&mut |key, bounds| {
+            if flow.is_continue() {
+                let mut visit = |other| if other > key { visit([key, other]) } else { ControlFlow::Continue(()) };
+                flow = self.overlapping(bounds, &mut visit);
+            }
+        });
+        flow
+    }
+
     /// Returns all pairs of boxes that overlap: sorted, without duplicates, the smaller key first.
     /// Exact.
+    ///
+    /// The number of pairs can be as large as the square of the number of boxes. The process ends
+    /// if there is not enough memory for them; [`try_pairs`](Self::try_pairs) returns an error
+    /// instead.
     fn pairs(&self) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
-        self.each(&mut |key, bounds| {
-            let first = pairs.len();
-            let _ = self.overlapping(bounds, &mut |other| {
-                if other > key {
-                    pairs.push([key, other]);
-                }
-                ControlFlow::Continue(())
-            });
-            pairs[first..].sort_unstable();
+        let _ = self.for_each_pair(&mut |pair| {
+            pairs.push(pair);
+            ControlFlow::Continue(())
         });
+        pairs.sort_unstable();
         pairs
     }
 
+    /// Returns all pairs of boxes that overlap, as [`pairs`](Self::pairs) does. Ends early, without
+    /// pairs, if the budget is spent.
+    ///
+    /// # Errors
+    /// Returns an error if the budget ended the search, or if there is not enough memory for the
+    /// pairs.
+    fn try_pairs(&self, budget: &Budget<'_>) -> Result<Vec<[u32; 2]>, Stopped> {
+        let mut pairs = PairList::new(budget);
+        let _ = self.for_each_pair(&mut |pair| pairs.push(pair));
+        pairs.into_sorted()
+    }
+
+    /// Visits all pairs of a box of this partition and a box of `other` that overlap, each once, in
+    /// no particular order. The key of the box of this partition comes first. Exact. Returns
+    /// `Break` if the visitor ended the search.
+    fn for_each_pair_with(&self, other: &dyn Partition, visit: &mut PairVisitor<'_>) -> ControlFlow<()> {
+        let mut flow = ControlFlow::Continue(());
+        self.each(&mut |key, bounds| {
+            if flow.is_continue() {
+                flow = other.overlapping(bounds, &mut |other| visit([key, other]));
+            }
+        });
+        flow
+    }
+
     /// Returns all pairs of a box of this partition and a box of `other` that overlap, sorted. The
-    /// key of the box of this partition comes first. Exact.
+    /// key of the box of this partition comes first. Exact. The process ends if there is not enough
+    /// memory for them.
     fn pairs_with(&self, other: &dyn Partition) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
-        self.each(&mut |key, bounds| {
-            let first = pairs.len();
-            let _ = other.overlapping(bounds, &mut |other| {
-                pairs.push([key, other]);
-                ControlFlow::Continue(())
-            });
-            pairs[first..].sort_unstable();
+        let _ = self.for_each_pair_with(other, &mut |pair| {
+            pairs.push(pair);
+            ControlFlow::Continue(())
         });
+        pairs.sort_unstable();
         pairs
+    }
+
+    /// Returns all pairs of a box of this partition and a box of `other` that overlap, as
+    /// [`pairs_with`](Self::pairs_with) does. Ends early, without pairs, if the budget is
+    /// spent.
+    ///
+    /// # Errors
+    /// As for [`try_pairs`](Self::try_pairs).
+    fn try_pairs_with(&self, other: &dyn Partition, budget: &Budget<'_>) -> Result<Vec<[u32; 2]>, Stopped> {
+        let mut pairs = PairList::new(budget);
+        let _ = self.for_each_pair_with(other, &mut |pair| pairs.push(pair));
+        pairs.into_sorted()
     }
 }
 
@@ -174,6 +227,8 @@ pub trait Dynamic: Partition {
     fn remove(&mut self, key: u32) -> Option<MinMax>;
 
     /// Applies all moves, and writes to `changes` which pairs began to overlap and which ceased to.
+    ///
+    /// If there is not enough memory for the pairs, [`Changes::check_complete`] returns an error.
     ///
     /// The result does not depend on the order of moves of different keys. If a key is moved
     /// several times, its last move counts.

@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use super::{Cells, Changes, Dynamic, Held, Holds, Items, Move, Partition, Visitor, Work, forward_to_inner};
+use super::{
+    Cells, Changes, Dynamic, Held, Holds, Items, Move, PairVisitor, Partition, Visitor, Work, forward_to_inner,
+};
 use crate::volume::{BoundingVolume, MinMax};
 
 /// Maximum number of boxes in a cell before it is split. Comparing 16 boxes costs about as much as

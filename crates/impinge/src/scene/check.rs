@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::sync::OnceLock;
 
 use super::configurations::Configurations;
 use super::near::{PlacedPart, pairs_near};
@@ -91,17 +92,29 @@ impl Scene {
         let mut check = Check { scene: self, question, configurations, placed_parts: Vec::new(), still: Vec::new() };
         if rows > 0 {
             check.placed_parts = check.still_parts();
-            check.still = check.still_pairs(execution)?;
+            check.still = check.still_pairs(stop, execution)?;
         }
+        // Memory that runs out in one row ends all rows.
+        let stopped = OnceLock::new();
         let found = execution.rows(rows, HashMap::new, |caches, row| {
-            let found = check.row(row, stop, caches, execution.budget());
+            let found = check.row(row, stop, caches, execution.budget()).unwrap_or_else(|reason| {
+                _ = stopped.set(reason);
+                Vec::new()
+            });
             (found, check.status(row))
         })?;
+        if let Some(&reason) = stopped.get() {
+            return Err(reason);
+        }
         let (values, status): (Vec<Vec<FoundPair>>, Vec<Status>) = found.into_iter().unzip();
         let answers = Answers { shape: configurations.shape().to_vec(), values, status };
         Ok(answers.mark_undecided(|pairs| pairs.iter().any(|pair| pair.is_undecided)))
     }
 }
+
+/// Number of pairs that are checked together if the first one is wanted. With fewer, threads wait
+/// for each other; with more, more pairs after the first are checked.
+const PAIRS_PER_WAVE: usize = 1 << 10;
 
 struct Check<'c> {
     scene: &'c Scene,
@@ -110,7 +123,8 @@ struct Check<'c> {
     /// Placements of the parts that have one pose in all configurations. The other parts are
     /// [`PlacedPart::Nowhere`].
     placed_parts: Vec<PlacedPart>,
-    /// Pairs of parts that do not move for which the answer is yes, sorted.
+    /// Pairs of parts that do not move for which the answer is yes, sorted. With [`Stop::First`]
+    /// there is no more than the first.
     still: Vec<FoundPair>,
 }
 
@@ -124,15 +138,24 @@ impl Check<'_> {
         self.scene.parts().map(of).collect()
     }
 
-    /// Returns the pairs of parts that do not move for which the answer is yes.
-    fn still_pairs(&self, execution: Execution<'_>) -> Result<Vec<FoundPair>, Stopped> {
+    /// Returns the pairs of parts that do not move for which the answer is yes, or only the first.
+    fn still_pairs(&self, stop: Stop, execution: Execution<'_>) -> Result<Vec<FoundPair>, Stopped> {
         let placed_parts: Vec<Cow<'_, PlacedPart>> = self.placed_parts.iter().map(Cow::Borrowed).collect();
-        let pairs = pairs_near(self.scene, &placed_parts, |_, _| true);
         let quiet = execution.without_progress();
-        let found = quiet.rows(pairs.len(), Cache::default, |cache, at| {
-            self.pair(pairs[at], &placed_parts, cache, execution.budget())
-        })?;
-        Ok(found.into_iter().flatten().collect())
+        let pairs = pairs_near(self.scene, &placed_parts, quiet.budget(), |_, _| true)?;
+        let wave = if stop == Stop::First { PAIRS_PER_WAVE } else { pairs.len().max(1) };
+        let mut found = Vec::new();
+        for pairs in pairs.chunks(wave) {
+            let of_wave = quiet.rows(pairs.len(), Cache::default, |cache, at| {
+                self.pair(pairs[at], &placed_parts, cache, execution.budget())
+            })?;
+            found.extend(of_wave.into_iter().flatten());
+            if stop == Stop::First && !found.is_empty() {
+                found.truncate(1);
+                break;
+            }
+        }
+        Ok(found)
     }
 
     /// Returns the placements of all parts in a row.
@@ -162,10 +185,10 @@ impl Check<'_> {
         stop: Stop,
         caches: &mut HashMap<[PartId; 2], Cache>,
         budget: &Budget<'_>,
-    ) -> Vec<FoundPair> {
+    ) -> Result<Vec<FoundPair>, Stopped> {
         let placed_parts = self.placed_parts(row);
         let moves = |part: PartId| !self.configurations.is_still(part);
-        let pairs = pairs_near(self.scene, &placed_parts, |a, b| moves(a) || moves(b));
+        let pairs = pairs_near(self.scene, &placed_parts, budget, |a, b| moves(a) || moves(b))?;
         let first_still = self.still.first();
         let mut found = Vec::new();
         for pair in pairs {
@@ -178,7 +201,7 @@ impl Check<'_> {
             }
             found.extend(self.pair(pair, &placed_parts, caches.entry(pair).or_default(), budget));
             if stop == Stop::First && !found.is_empty() {
-                return found;
+                return Ok(found);
             }
         }
         match stop {
@@ -188,7 +211,7 @@ impl Check<'_> {
                 found.sort_unstable_by_key(|pair| pair.parts);
             }
         }
-        found
+        Ok(found)
     }
 
     /// Returns the pair if the answer for it is yes, and `None` otherwise.

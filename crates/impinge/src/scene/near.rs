@@ -3,8 +3,10 @@
 use std::borrow::Cow;
 
 use super::parts::{PartId, Scene};
+use crate::budget::{Budget, Stopped};
 use crate::partition::ColumnSweep;
 use crate::shape::PlacedShape;
+use crate::storage::TryPush;
 use crate::volume::MinMax;
 
 /// Maximum number of bounded parts whose boxes are compared pair by pair. For more parts the column
@@ -57,17 +59,26 @@ impl PlacedPart {
 
 /// Returns the pairs of parts that the scene admits, for which `is_wanted` returns `true`, and
 /// whose boxes are not proved apart. The pairs are sorted, the smaller part first.
+///
+/// # Errors
+/// Returns an error if the budget ended the search, or if there is not enough memory for the
+/// pairs.
+///
+/// # Complexity
+/// About linear in the number of parts and of pairs whose boxes are near.
 pub(super) fn pairs_near(
     scene: &Scene,
     placed_parts: &[Cow<'_, PlacedPart>],
+    budget: &Budget<'_>,
     is_wanted: impl Fn(PartId, PartId) -> bool,
-) -> Vec<[PartId; 2]> {
+) -> Result<Vec<[PartId; 2]>, Stopped> {
     let parts: Vec<PartId> = scene.parts().collect();
     let mut found = Vec::new();
-    let mut offer = |a: PartId, b: PartId| {
+    let mut offer = |a: PartId, b: PartId| -> Result<(), Stopped> {
         if is_wanted(a, b) && scene.admits(a, b) {
-            found.push([a.min(b), a.max(b)]);
+            found.try_push([a.min(b), a.max(b)])?;
         }
+        Ok(())
     };
     let bounded: Vec<(PartId, MinMax)> =
         parts.iter().filter_map(|&part| Some((part, *placed_parts[part.index()].bounds()?))).collect();
@@ -75,16 +86,16 @@ pub(super) fn pairs_near(
         for (i, (a, bounds_a)) in bounded.iter().enumerate() {
             for (b, bounds_b) in &bounded[i + 1..] {
                 if overlap(bounds_a, bounds_b) {
-                    offer(*a, *b);
+                    offer(*a, *b)?;
                 }
             }
         }
     } else {
         let boxes: Vec<MinMax> = bounded.iter().map(|(_, bounds)| *bounds).collect();
         let mut pairs = Vec::new();
-        ColumnSweep::new().find(&boxes, &mut pairs);
+        ColumnSweep::new().try_find(&boxes, &mut pairs, budget)?;
         for [a, b] in pairs {
-            offer(bounded[a as usize].0, bounded[b as usize].0);
+            offer(bounded[a as usize].0, bounded[b as usize].0)?;
         }
     }
     // A part without a box is near every part.
@@ -93,15 +104,16 @@ pub(super) fn pairs_near(
         !placed.is_nowhere() && placed.bounds().is_none()
     };
     for &a in parts.iter().filter(|&&part| is_unbounded(part)) {
+        budget.check()?;
         for &b in &parts {
             let is_second = is_unbounded(b) && b < a;
             if !is_second && !placed_parts[b.index()].is_nowhere() {
-                offer(a, b);
+                offer(a, b)?;
             }
         }
     }
     found.sort_unstable();
-    found
+    Ok(found)
 }
 
 fn overlap(a: &MinMax, b: &MinMax) -> bool {

@@ -15,6 +15,11 @@ use crate::mesh::{Mesh, SolidMesh};
 /// meshes.
 const LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 
+/// Maximum number of parts of a compound. Placing a compound copies each part, about 300 bytes, so
+/// a placed compound takes at most some hundred megabytes. Compounds of compounds multiply their
+/// parts: without a limit, 30 nested calls would exhaust any memory.
+const MAX_PARTS: usize = 1 << 20;
+
 impl Shape {
     /// Returns a sphere about a center, in the frame of the shape. A radius of zero gives a point.
     ///
@@ -225,13 +230,20 @@ impl Shape {
     /// ([`Pose::compose`]). Answers about the compound are answers about its parts at these poses.
     ///
     /// # Errors
-    /// [`Empty`](InputErrorKind::Empty) if there are no parts. The errors of [`Pose::compose`], if
-    /// the poses of nested compounds cannot be composed.
+    /// [`Empty`](InputErrorKind::Empty) if there are no parts, and
+    /// [`TooMany`](InputErrorKind::TooMany) if there are more than 2^20 parts, those of nested
+    /// compounds included. The errors of [`Pose::compose`], if the poses of nested compounds cannot
+    /// be composed.
     pub fn compound(parts: &[(Self, Pose)]) -> Result<Self, InputError> {
         if parts.is_empty() {
             return Err(InputError::new(InputErrorKind::Empty { what: "parts" }));
         }
-        let mut single = Vec::with_capacity(parts.len());
+        let count = parts.iter().map(|(shape, _)| shape.part_count()).fold(0, usize::saturating_add);
+        if count > MAX_PARTS {
+            let kind = InputErrorKind::TooMany { what: "parts", count, limit: MAX_PARTS };
+            return Err(InputError::new(kind).with_hint("a compound repeats the parts of the compounds in it"));
+        }
+        let mut single = Vec::with_capacity(count);
         for (shape, compound_from_part) in parts {
             match &shape.0 {
                 Kind::Compound(inner) => {
@@ -243,6 +255,11 @@ impl Shape {
             }
         }
         Ok(Self(Kind::Compound(single.into())))
+    }
+
+    /// Returns the number of parts that the shape has as a part of a compound.
+    fn part_count(&self) -> usize {
+        if let Kind::Compound(parts) = &self.0 { parts.len() } else { 1 }
     }
 
     /// Returns the convex hull of a few points.

@@ -88,7 +88,7 @@ impl Shape {
         };
         let mut placed = PlacedShape { kind: self.0.clone(), stand: Stand::at(world_from_local), parts };
         match placed.stand_at(&world_from_local)? {
-            Some(stand) => placed.follow(stand),
+            Some(stand) => placed.stand = stand,
             None => placed.stand.bounds = placed.world_bounds(),
         }
         Ok(placed)
@@ -185,8 +185,8 @@ impl PlacedShape {
     }
 
     /// Moves the shape to a pose whose values [`stand_at`](Self::stand_at) returned.
-    pub(crate) fn follow(&mut self, stand: Stand) {
-        self.stand = stand;
+    pub(crate) fn swap_stand(&mut self, stand: &mut Stand) {
+        std::mem::swap(&mut self.stand, stand);
     }
 
     /// Prefetches the pointer to the corners of a polytope.

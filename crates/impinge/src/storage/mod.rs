@@ -6,6 +6,7 @@
 mod aligned;
 mod growing;
 mod map;
+mod try_push;
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -17,6 +18,7 @@ use bytemuck::Pod;
 pub use aligned::AlignedBytes;
 pub(crate) use growing::Growing;
 use map::Map;
+pub(crate) use try_push::{TryPush, try_concat};
 
 /// Bytes that outlive every [`Buffer`] that borrows them: a vector, a memory map.
 pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;

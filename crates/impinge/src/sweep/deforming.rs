@@ -269,12 +269,11 @@ fn represents(faces: &[[u32; 3]]) -> Vec<u8> {
 }
 
 fn validate(faces: &[[u32; 3]], t0: &[[f64; 3]], t1: &[[f64; 3]]) -> Result<(), InputError> {
-    let too_many = |what, count| Err(InputError::new(InputErrorKind::TooMany { what, count }));
-    if t0.len() > u32::MAX as usize {
-        return too_many("vertices", t0.len());
-    }
-    if faces.len() > u32::MAX as usize >> 3 {
-        return too_many("faces", faces.len());
+    let max = u32::MAX as usize;
+    for (what, count, limit) in [("vertices", t0.len(), max), ("faces", faces.len(), max >> 3)] {
+        if count > limit {
+            return Err(InputError::new(InputErrorKind::TooMany { what, count, limit }));
+        }
     }
     for (index, row) in t0.iter().chain(t1).enumerate() {
         if !row.iter().all(|x| x.is_finite()) {

@@ -54,14 +54,26 @@ impl Changed {
         }
     }
 
-    /// Takes out the slots of the changed bodies, sorted. The changes themselves remain until they
-    /// are forgotten.
-    pub(super) fn take(&mut self) -> Vec<u32> {
-        let mut places = std::mem::take(&mut self.places);
-        places.retain(|&place| self.of(place) != Change::No);
-        places.sort_unstable();
-        places.dedup();
-        places
+    /// Sets the change of the body in a slot back to an earlier one.
+    pub(super) fn set_back(&mut self, place: u32, change: Change) {
+        if let Some(how) = self.how.get_mut(place as usize) {
+            *how = change;
+        }
+    }
+
+    /// Returns the slots of the changed bodies, sorted.
+    pub(super) fn places(&mut self) -> Vec<u32> {
+        self.places.retain(|&place| self.how[place as usize] != Change::No);
+        self.places.sort_unstable();
+        self.places.dedup();
+        self.places.clone()
+    }
+
+    /// Forgets all changes.
+    pub(super) fn clear(&mut self) {
+        for place in self.places.drain(..) {
+            self.how[place as usize] = Change::No;
+        }
     }
 }
 
@@ -82,8 +94,11 @@ mod tests {
         // Another body in the slot of a removed one.
         changed.forget(2);
         changed.mark(2, Change::Moved);
-        assert_eq!(changed.take(), [2, 5]);
+        assert_eq!(changed.places(), [2, 5]);
         assert_eq!([2, 3, 5, 9].map(|place| changed.of(place)), [Change::Moved, Change::No, Change::Place, Change::No]);
-        assert!(changed.is_empty());
+        changed.set_back(5, Change::No);
+        assert_eq!(changed.places(), [2]);
+        changed.clear();
+        assert!(changed.is_empty() && changed.of(2) == Change::No);
     }
 }

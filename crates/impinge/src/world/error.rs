@@ -1,8 +1,10 @@
 //! Errors of worlds.
 
+use std::collections::TryReserveError;
 use std::fmt;
 
 use super::body::BodyId;
+use crate::budget::Stopped;
 use crate::input::InputError;
 
 /// The reason why a world refused a call. The world is unchanged.
@@ -33,6 +35,8 @@ pub enum WorldError {
     },
     /// All 2^32 - 1 slots for bodies are in use, or have used up their handles.
     Full,
+    /// The budget of the step was spent, or the memory for its pairs cannot be allocated.
+    Stopped(Stopped),
 }
 
 impl fmt::Display for WorldError {
@@ -45,6 +49,10 @@ impl fmt::Display for WorldError {
             Self::NotAMesh { body } => {
                 write!(f, "body {body} is not a mesh, so it cannot be refitted: set its shape instead")
             }
+            Self::Stopped(Stopped::Memory) => {
+                write!(f, "not enough memory for the pairs of the world: spread its bodies, or filter their pairs")
+            }
+            Self::Stopped(reason) => write!(f, "{reason}"),
             Self::Full => write!(f, "the world has no free places for bodies (at most 2^32 - 1): remove some first"),
         }
     }
@@ -54,8 +62,21 @@ impl std::error::Error for WorldError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Input { error, .. } => Some(error),
+            Self::Stopped(reason) => Some(reason),
             _ => None,
         }
+    }
+}
+
+impl From<Stopped> for WorldError {
+    fn from(reason: Stopped) -> Self {
+        Self::Stopped(reason)
+    }
+}
+
+impl From<TryReserveError> for WorldError {
+    fn from(error: TryReserveError) -> Self {
+        Self::Stopped(error.into())
     }
 }
 

@@ -39,6 +39,7 @@ mod plane;
 mod queries;
 mod rays;
 mod record;
+mod search;
 mod slots;
 mod state;
 mod step;
@@ -162,7 +163,7 @@ impl World {
         let bounds = body.outline.bounds(placed.stands(), &mut extremes);
         let resident = Resident { placed, outline: body.outline, extremes, traits: body.traits };
         let id = self.state.residents.insert(resident).ok_or(WorldError::Full)?;
-        self.state.update_bounds(id.index() as u32, bounds);
+        self.state.update_bounds(body.traits.kind, id.index() as u32, bounds);
         self.state.changed.mark(id.index() as u32, Change::Traits);
         Ok(id)
     }
@@ -179,7 +180,7 @@ impl World {
             self.state.remove_pair(link.pair);
         }
         let resident = self.state.residents.remove(body).ok_or(WorldError::Stale { body })?;
-        self.state.update_bounds(index, Bounds::Nowhere);
+        self.state.update_bounds(resident.traits.kind, index, Bounds::Nowhere);
         self.state.changed.forget(index);
         Ok(resident.into_body())
     }
@@ -227,9 +228,14 @@ impl World {
     /// # Errors
     /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.
     pub fn set_traits(&mut self, body: BodyId, traits: Traits) -> Result<(), WorldError> {
-        let resident = self.resident_mut(body)?;
-        resident.traits = Traits { tag: resident.traits.tag, ..traits };
-        self.state.changed.mark(body.index() as u32, Change::Traits);
+        let (before, place) = (self.resident(body)?.traits, body.index() as u32);
+        if (before.kind == Kind::Moving) != (traits.kind == Kind::Moving) {
+            let bounds = *self.state.bounds_of(place);
+            self.state.update_bounds(before.kind, place, Bounds::Nowhere);
+            self.state.update_bounds(traits.kind, place, bounds);
+        }
+        self.resident_mut(body)?.traits = Traits { tag: before.tag, ..traits };
+        self.state.changed.mark(place, Change::Traits);
         Ok(())
     }
 

@@ -2,7 +2,8 @@
 //! contacts.
 
 use super::placed::Placed;
-use crate::query::{self, Manifold, Proximity};
+use crate::budget::Budget;
+use crate::query::{Manifold, Proximity, Query};
 
 /// Results that a step computes for each pair of bodies whose boxes overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -34,16 +35,18 @@ impl NarrowPhase {
         }
     }
 
-    /// Computes the result for two bodies. Returns `None` if they are apart.
-    pub(super) fn examine(self, a: &Placed, b: &Placed) -> Option<Meeting> {
+    /// Computes the result for two bodies. Returns `None` if they are apart. The caller must
+    /// discard the result if the budget ended the query.
+    pub(super) fn examine(self, a: &Placed, b: &Placed, budget: &Budget<'_>) -> Option<Meeting> {
+        let query = || Query::new().with_budget(budget);
         let proximity =
-            if self == Self::Boxes { Proximity::Undecided } else { query::proximity(a.in_world(), b.in_world()) };
+            if self == Self::Boxes { Proximity::Undecided } else { query().proximity(a.in_world(), b.in_world()) };
         if proximity == Proximity::Apart {
             return None;
         }
         let manifolds = match self {
-            Self::Contacts => query::contacts(a.in_world(), b.in_world()),
-            Self::Boxes | Self::Intersections => Vec::new(),
+            Self::Contacts if !budget.is_spent() => query().contacts(a.in_world(), b.in_world()),
+            Self::Boxes | Self::Intersections | Self::Contacts => Vec::new(),
         };
         Some(Meeting { proximity, manifolds })
     }

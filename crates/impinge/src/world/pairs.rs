@@ -1,6 +1,8 @@
 //! The candidate pairs of the broad phase, each with its result of the narrow phase. A pair can be
 //! found from either body.
 
+use std::collections::TryReserveError;
+
 use super::narrow::Meeting;
 
 /// The candidate pairs by index, and for each body the list of its pairs.
@@ -33,6 +35,24 @@ pub(super) struct Link {
 }
 
 impl Pairs {
+    /// Reserves memory for new pairs, so that adding them allocates nothing.
+    ///
+    /// # Errors
+    /// Returns an error if the memory cannot be allocated. The pairs are unchanged.
+    pub(super) fn try_reserve(&mut self, bodies: &[[u32; 2]]) -> Result<(), TryReserveError> {
+        let slots = bodies.as_flattened().iter().max().map_or(0, |&slot| slot as usize + 1);
+        if self.links.len() < slots {
+            self.links.try_reserve(slots - self.links.len())?;
+            self.links.resize(slots, Vec::new());
+        }
+        let mut counts: Vec<u32> = Vec::new();
+        counts.try_reserve_exact(slots)?;
+        counts.resize(slots, 0);
+        bodies.as_flattened().iter().for_each(|&slot| counts[slot as usize] += 1);
+        self.entries.try_reserve(bodies.len().saturating_sub(self.free.len()))?;
+        self.links.iter_mut().zip(counts).try_for_each(|(links, count)| links.try_reserve(count as usize))
+    }
+
     /// Adds a pair, which must be new, and returns its index.
     pub(super) fn add(&mut self, bodies: [u32; 2]) -> u32 {
         let pair = self.free.pop().unwrap_or_else(|| {

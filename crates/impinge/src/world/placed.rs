@@ -38,7 +38,7 @@ impl Placed {
         Self::new(&self.shape, world_from_body)
     }
 
-    /// Validates another pose, and returns the placement for [`follow`](Self::follow).
+    /// Validates another pose, and returns the placement for [`swap`](Self::swap).
     ///
     /// # Errors
     /// Returns the error of [`Shape::at`].
@@ -49,7 +49,7 @@ impl Placed {
         }
     }
 
-    /// Returns the shape and its pose as they will be after [`follow`](Self::follow).
+    /// Returns the shape and its pose as they will be after [`swap`](Self::swap).
     pub(super) fn standing<'a>(&'a self, placement: &'a ValidPlacement) -> (&'a PlacedShape, &'a Stand) {
         match placement {
             ValidPlacement::Alone(stand) => (&self.in_world, stand),
@@ -62,12 +62,12 @@ impl Placed {
         (&self.in_world, self.in_world.stand())
     }
 
-    /// Moves the shape to a validated placement. A shape of one part keeps its data, such as its
-    /// mesh.
-    pub(super) fn follow(&mut self, placement: ValidPlacement) {
+    /// Moves the shape to a validated placement, which becomes the placement before the move. A
+    /// shape of one part keeps its data, such as its mesh.
+    pub(super) fn swap(&mut self, placement: &mut ValidPlacement) {
         match placement {
-            ValidPlacement::Alone(stand) => self.in_world.follow(stand),
-            ValidPlacement::Compound(placed) => *self = *placed,
+            ValidPlacement::Alone(stand) => self.in_world.swap_stand(stand),
+            ValidPlacement::Compound(placed) => std::mem::swap(self, placed),
         }
     }
 

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::body::{BodyId, Traits};
+use super::broad::Among;
 use super::outline::{Bounds, Extremes, Outline};
 use super::placed::Placed;
 use super::{Resident, World};
@@ -93,8 +94,8 @@ impl World {
         match bounds {
             Bounds::Nowhere => {}
             Bounds::Box(bounds) => {
-                state.broad.for_each_overlapping(bounds, &mut look);
-                state.unbounded.iter().for_each(|&index| look(index));
+                state.broad.for_each_overlapping(Among::All, bounds, &mut look);
+                state.broad.for_each_unbounded(Among::All, &mut look);
             }
             Bounds::Behind(_) | Bounds::Anywhere => state.residents.iter().for_each(|(id, _)| look(id.index() as u32)),
         }

@@ -104,7 +104,6 @@ impl World {
             }
             reach
         };
-        self.state.unbounded.iter().for_each(|&index| _ = look(index));
         self.state.broad.along(ray, &mut look);
     }
 }

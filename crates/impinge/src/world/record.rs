@@ -166,15 +166,16 @@ impl Snapshot {
             let placed = Placed::new(&body.shape, body.world_from_body)
                 .map_err(|error| RecordError::Input { body: *id, error })?;
             let mut extremes = Extremes::default();
-            places.push((id.index() as u32, body.outline.bounds(placed.stands(), &mut extremes), *change));
+            let bounds = body.outline.bounds(placed.stands(), &mut extremes);
+            places.push((body.traits.kind, id.index() as u32, bounds, *change));
             let outline = body.outline.clone();
             residents.push((*id, Resident { placed, outline, extremes, traits: body.traits }));
         }
         let residents = Slots::of(&record.generations, &record.free, residents).ok_or(RecordError::Places)?;
         let broad = Broad::new(options.broad_phase);
         let mut state = State { residents, broad, departed: record.departed.clone(), ..State::default() };
-        for (place, bounds, change) in places {
-            state.update_bounds(place, bounds);
+        for (kind, place, bounds, change) in places {
+            state.update_bounds(kind, place, bounds);
             state.changed.mark(place, change);
         }
         state.pair_up(&record.pairs)?;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::body::{Body, BodyId, Traits};
+use super::body::{Body, BodyId, Kind, Traits};
 use super::broad::Broad;
 use super::changed::{Change, Changed};
 use super::events::{Events, Pair, PairKey};
@@ -18,8 +18,6 @@ pub(super) struct State {
     /// Bounds of the body in each slot. They are apart from the bodies, because a step reads them
     /// for every pair.
     pub(super) bounds: Vec<Bounds>,
-    /// Slots of bodies that no box bounds.
-    pub(super) unbounded: Vec<u32>,
     pub(super) broad: Broad,
     pub(super) pairs: Pairs,
     /// Changes since the last step.
@@ -46,8 +44,9 @@ impl State {
         if let Some(outline) = outline {
             resident.outline = outline;
         }
+        let kind = resident.traits.kind;
         let bounds = resident.outline.bounds(resident.placed.stands(), &mut resident.extremes);
-        self.update_bounds(body.index() as u32, bounds);
+        self.update_bounds(kind, body.index() as u32, bounds);
         self.changed.mark(body.index() as u32, Change::Place);
     }
 
@@ -67,23 +66,23 @@ impl State {
         std::mem::replace(&mut self.bounds[at], bounds)
     }
 
-    /// Stores new bounds of the body in a slot, and updates the broad phase.
-    pub(super) fn update_bounds(&mut self, place: u32, bounds: Bounds) {
+    /// Stores new bounds of the body of a kind in a slot, and updates the broad phase.
+    pub(super) fn update_bounds(&mut self, kind: Kind, place: u32, bounds: Bounds) {
         let before = self.replace_bounds(place, bounds);
-        self.update_structures(place, &before, &bounds);
+        self.update_structures(kind, place, &before, &bounds);
     }
 
-    /// Updates the broad phase and the list of unbounded bodies after the bounds of a body changed.
-    pub(super) fn update_structures(&mut self, place: u32, before: &Bounds, now: &Bounds) {
+    /// Updates the broad phase after the bounds of a body of a kind changed.
+    pub(super) fn update_structures(&mut self, kind: Kind, place: u32, before: &Bounds, now: &Bounds) {
         match (before, now) {
             (Bounds::Box(_), Bounds::Box(_)) | (Bounds::Nowhere, _) => {}
-            (Bounds::Box(_), _) => self.broad.remove(place),
-            (Bounds::Behind(_) | Bounds::Anywhere, _) => self.unbounded.retain(|&other| other != place),
+            (Bounds::Box(_), _) => self.broad.remove(kind, place),
+            (Bounds::Behind(_) | Bounds::Anywhere, _) => self.broad.remove_unbounded(kind, place),
         }
         match now {
             Bounds::Nowhere => {}
-            Bounds::Box(bounds) => self.broad.insert(place, bounds),
-            Bounds::Behind(_) | Bounds::Anywhere => self.unbounded.push(place),
+            Bounds::Box(bounds) => self.broad.insert(kind, place, bounds),
+            Bounds::Behind(_) | Bounds::Anywhere => self.broad.insert_unbounded(kind, place),
         }
     }
 

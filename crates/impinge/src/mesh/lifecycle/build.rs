@@ -12,7 +12,7 @@ use super::face_boxes::FaceBoxes;
 use super::moved::Moved;
 use super::validate::validate;
 use crate::hierarchy::{BinaryTree, Bounds, Builder, WideTree, tree_along_curve};
-use crate::input::InputError;
+use crate::input::{InputError, InputErrorKind};
 use crate::mesh::storage::frame::PackedFrame;
 use crate::mesh::storage::leaf::{CHUNK, Leaf};
 use crate::mesh::storage::positions::{Positions, VertexSlice, Vertices};
@@ -38,8 +38,8 @@ impl Mesh {
     ///
     /// # Errors
     /// If a coordinate is not finite or not below 2^128 in magnitude, if a face names a vertex that
-    /// does not exist, or if there are more vertices or faces than 32-bit indices can name. Nothing
-    /// is repaired and nothing is dropped.
+    /// does not exist, if there are 2^32 vertices or 2^29 faces or more, or if there is not enough
+    /// memory for the hierarchy. Nothing is repaired and nothing is dropped.
     ///
     /// # Complexity
     /// O(n log n), on all cores of the current rayon pool.
@@ -62,10 +62,27 @@ impl Mesh {
     ) -> Result<Self, InputError> {
         let (positions, faces) = (positions.into(), faces.into());
         let frame = PackedFrame::over(&validate(positions.slice(), &faces)?);
+        check_memory(faces.len())?;
         let vertices = Vertices::Given(positions.narrowed());
         let (tree, leaves) = built(vertices.slice(), &faces, &frame, builder);
         Ok(Self(Arc::new(Data::new(vertices, Arc::new(faces.into()), frame, tree, Arc::new(leaves)))))
     }
+}
+
+/// Number of bytes per face that must be available for a build. The default builder of large meshes
+/// keeps a center and a scratch center of 16 bytes each, a place in the order of 4 bytes, and at
+/// most 28 bytes of nodes and leaves. If the number is too small, a build may end the process for
+/// want of memory; if it is too large, a build that would succeed is refused.
+const BUILD_BYTES_PER_FACE: usize = 64;
+
+/// Checks that the arrays that a build allocates can be allocated, before it begins.
+///
+/// # Errors
+/// [`OutOfMemory`](InputErrorKind::OutOfMemory) if not.
+fn check_memory(faces: usize) -> Result<(), InputError> {
+    let mut room: Vec<u8> = Vec::new();
+    let refused = InputErrorKind::OutOfMemory { what: "faces", count: faces };
+    room.try_reserve_exact(faces.saturating_mul(BUILD_BYTES_PER_FACE)).map_err(|_| InputError::new(refused))
 }
 
 /// Builds the tree of the faces. Returns it with its leaves.

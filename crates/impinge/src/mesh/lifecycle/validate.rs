@@ -12,9 +12,12 @@ use crate::simd::{CACHE_LINE, prefetch_at};
 /// single precision number is below it.
 const COORDINATE_LIMIT: f64 = (1_u128 << 127) as f64 * 2.0;
 
-/// Exclusive limit for the number of faces. Lanes of leaves are numbered with 32 bits, and there
-/// may be as many leaves as faces, with eight lanes each.
-const MAX_FACES: usize = 1 << 29;
+/// Maximum number of vertices. Faces name them with 32 bits.
+const MAX_VERTICES: usize = u32::MAX as usize;
+
+/// Maximum number of faces. Lanes of leaves are numbered with 32 bits, and there may be as many
+/// leaves as faces, with eight lanes each.
+const MAX_FACES: usize = (1 << 29) - 1;
 
 /// Number of vertices, or of indices of faces, per task.
 const CHUNK: usize = 1 << 10;
@@ -22,12 +25,10 @@ const CHUNK: usize = 1 << 10;
 /// Validates the vertices and faces of a mesh. Returns the minimum and maximum coordinates of the
 /// vertices.
 pub(in crate::mesh) fn validate(vertices: VertexSlice<'_>, faces: &[[u32; 3]]) -> Result<Extremes, InputError> {
-    let too_many = |what, count| Err(InputError::new(InputErrorKind::TooMany { what, count }));
-    if vertices.len() > u32::MAX as usize {
-        return too_many("vertices", vertices.len());
-    }
-    if faces.len() >= MAX_FACES {
-        return too_many("faces", faces.len());
+    for (what, count, limit) in [("vertices", vertices.len(), MAX_VERTICES), ("faces", faces.len(), MAX_FACES)] {
+        if count > limit {
+            return Err(InputError::new(InputErrorKind::TooMany { what, count, limit }));
+        }
     }
     let extremes = validate_vertices(vertices)?;
     let len = vertices.len();

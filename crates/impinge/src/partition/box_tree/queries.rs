@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::super::best::{Best, distance_squared, in_range};
-use super::super::{Cells, Holds, Items, Neighbor, Partition, Ray, RayVisit, Visitor, Work};
+use super::super::{Cells, Holds, Items, Neighbor, PairVisitor, Partition, Ray, RayVisit, Visitor, Work};
 use super::{BoxTree, DynamicNode, MinMax};
 use crate::hierarchy::Stack;
 use crate::volume::BoundingVolume;
@@ -103,7 +103,7 @@ impl Partition for BoxTree {
         best.into_sorted()
     }
 
-    fn pairs(&self) -> Vec<[u32; 2]> {
-        self.own_pairs()
+    fn for_each_pair(&self, visit: &mut PairVisitor<'_>) -> ControlFlow<()> {
+        self.visit_own_pairs(visit)
     }
 }

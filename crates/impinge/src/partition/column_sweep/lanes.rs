@@ -3,6 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u8x32, u32x8};
 
+use super::found::Found;
 use super::record::{Record, Verdict, probe};
 use super::slots::Slots;
 
@@ -67,13 +68,15 @@ impl Lanes {
         &self.sorted[..self.unsorted.len()]
     }
 
-    /// Adds each pair of copies whose boxes overlap to `found`. `classify` compares their images;
-    /// `decide` compares the boxes if that is not certain.
+    /// Adds each pair of copies whose boxes overlap to `found`. `reserve` reserves memory for a
+    /// number of pairs, or returns `false` if the sweep must end. `classify` compares the images of
+    /// two copies; `decide` compares the boxes if that is not certain.
     #[inline(always)]
     pub(super) fn sweep_self<S: Simd>(
         &mut self,
         simd: S,
-        found: &mut Vec<[u32; 2]>,
+        found: &mut Found,
+        reserve: impl Fn(&mut Found, usize) -> bool,
         classify: impl Fn(&Record, &Record) -> Verdict,
         decide: impl Fn([u32; 2]) -> bool,
     ) {
@@ -89,6 +92,10 @@ impl Lanes {
         let mut expand = |hits: &mut [Hits]| {
             let mut left = hits.len();
             while left > 0 {
+                if !reserve(found, left) {
+                    return false;
+                }
+                let found = &mut found.pairs;
                 let before = found.len();
                 found.resize(before + left, [0; 2]);
                 undecided.resize(undecided.len().max(left), [0; 2]);
@@ -111,6 +118,7 @@ impl Lanes {
                 found.extend(undecided[..uncertain].iter().filter(|&&pair| decide(pair)));
                 left = kept;
             }
+            true
         };
         // Reserves room for all hits of one copy, so that the inner loop contains nothing but
         // comparisons.
@@ -121,7 +129,9 @@ impl Lanes {
             // The only call, also for the remaining hits, so that it is inlined and compiled for
             // the vector unit.
             if count > HITS_PER_BATCH || one == len {
-                expand(&mut hits[..count]);
+                if !expand(&mut hits[..count]) {
+                    return;
+                }
                 count = 0;
             }
             let Some(&end) = ends.get(one) else { break };

@@ -15,6 +15,7 @@
 //! Guarded by `tests/it/partition/columns.rs`, measured by the benchmark `partitions`.
 
 mod columns;
+mod found;
 mod frame;
 mod lanes;
 mod order;
@@ -27,9 +28,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
+use crate::budget::{Budget, Stopped};
 use crate::simd::{best_level, dispatch};
 use crate::volume::{BoundingVolume, MinMax};
 use columns::Columns;
+use found::Found;
 use frame::{Frame, Image, LEVELS, MAX_EXTENT, nearest};
 use lanes::{Lanes, Span};
 use order::sort_pairs;
@@ -70,8 +73,7 @@ pub struct ColumnSweep {
 #[derive(Clone, Debug, Default)]
 struct Sweeper {
     lanes: Lanes,
-    /// Pairs found, unsorted.
-    found: Vec<[u32; 2]>,
+    found: Found,
 }
 
 /// The columns of one coarse level, one after the other.
@@ -112,14 +114,43 @@ impl ColumnSweep {
     ///
     /// Exact. The result does not depend on the number of threads. It runs on the threads of the
     /// caller's `rayon` pool.
+    ///
+    /// # Panics
+    /// Panics if there is not enough memory for the pairs. Their number can be as large as the
+    /// square of the number of boxes; [`try_find`](Self::try_find) returns an error instead.
     pub fn find(&mut self, boxes: &[MinMax], pairs: &mut Vec<[u32; 2]>) {
-        let Some(frame) = Frame::of(boxes) else { return pairs.clear() };
+        let found = self.try_find(boxes, pairs, Budget::unlimited());
+        assert!(found.is_ok(), "not enough memory for the pairs of {} boxes: use try_find", boxes.len());
+    }
+
+    /// Finds the pairs of [`find`](Self::find). Ends early if the budget is spent.
+    ///
+    /// # Errors
+    /// Returns an error if the budget ended the search, or if there is not enough memory for the
+    /// pairs. `pairs` is then empty.
+    pub fn try_find(
+        &mut self,
+        boxes: &[MinMax],
+        pairs: &mut Vec<[u32; 2]>,
+        budget: &Budget<'_>,
+    ) -> Result<(), Stopped> {
+        pairs.clear();
+        let Some(frame) = Frame::of(boxes) else { return Ok(()) };
         self.distribute(&frame, boxes);
         self.gather_coarse(&frame, boxes);
-        self.sweep(&frame, boxes);
-        let Some((first, others)) = self.sweepers.split_first_mut() else { return };
-        others.iter().for_each(|other| first.found.extend_from_slice(&other.found));
-        sort_pairs(&mut first.found, pairs, boxes.len());
+        self.sweep(&frame, boxes, budget);
+        for sweeper in &mut self.sweepers {
+            if let Some(ended) = sweeper.found.ended.take() {
+                self.sweepers.iter_mut().for_each(|sweeper| sweeper.found = Found::default());
+                return Err(ended);
+            }
+        }
+        let Some((first, others)) = self.sweepers.split_first_mut() else { return Ok(()) };
+        first.found.pairs.try_reserve(others.iter().map(|other| other.found.pairs.len()).sum())?;
+        others.iter().for_each(|other| first.found.pairs.extend_from_slice(&other.found.pairs));
+        pairs.try_reserve_exact(first.found.pairs.len())?;
+        sort_pairs(&mut first.found.pairs, pairs, boxes.len());
+        Ok(())
     }
 
     fn distribute(&mut self, frame: &Frame, boxes: &[MinMax]) {
@@ -157,7 +188,7 @@ impl ColumnSweep {
         }
     }
 
-    fn sweep(&mut self, frame: &Frame, boxes: &[MinMax]) {
+    fn sweep(&mut self, frame: &Frame, boxes: &[MinMax], budget: &Budget<'_>) {
         let (runs, coarse) = (&self.runs, &self.coarse);
         let used = (0..LEVELS).filter(|&level| level == 0 || !coarse[level - 1].copies.is_empty());
         let tasks = used.flat_map(|level| {
@@ -169,14 +200,23 @@ impl ColumnSweep {
         });
         let sweep = |Sweeper { lanes, found }: &mut Sweeper, (level, places): (usize, Range<usize>)| {
             for place in places {
+                if let Err(stopped) = budget.check() {
+                    found.ended = Some(stopped);
+                }
+                if found.ended.is_some() {
+                    return;
+                }
                 let blocks = runs.iter().flat_map(|run| run.blocks(place));
                 let is_shared = runs.iter().any(|run| run.is_shared(place));
-                let mut bucket = Bucket { frame, boxes, level, place, is_shared, lanes };
+                let mut bucket = Bucket { frame, boxes, level, place, is_shared, lanes, budget };
                 bucket.find(blocks, &coarse[level..], found);
             }
         };
         self.sweepers.resize_with(runs.len(), Sweeper::default);
-        self.sweepers.iter_mut().for_each(|sweeper| sweeper.found.clear());
+        self.sweepers.iter_mut().for_each(|Sweeper { found, .. }| {
+            found.pairs.clear();
+            found.ended = None;
+        });
         if let [sweeper] = self.sweepers.as_mut_slice() {
             return tasks.for_each(|task| sweep(sweeper, task));
         }
@@ -203,13 +243,14 @@ struct Bucket<'a> {
     place: usize,
     is_shared: bool,
     lanes: &'a mut Lanes,
+    budget: &'a Budget<'a>,
 }
 
 impl Bucket<'_> {
     /// Finds the pairs among these copies, and the pairs of these copies with copies of coarser
     /// levels.
-    fn find<'r>(&mut self, blocks: impl Iterator<Item = &'r [Record]>, coarser: &[Coarse], found: &mut Vec<[u32; 2]>) {
-        let &mut Self { frame, boxes, level, is_shared, .. } = self;
+    fn find<'r>(&mut self, blocks: impl Iterator<Item = &'r [Record]>, coarser: &[Coarse], found: &mut Found) {
+        let &mut Self { frame, boxes, level, is_shared, budget, .. } = self;
         let span = |record: &Record| {
             let image = frame.image(&boxes[record.key as usize]);
             [image.min[frame.along], image.max[frame.along]]
@@ -227,7 +268,13 @@ impl Bucket<'_> {
                 Verdict { is_apart: is_seen | is_apart, is_certain }
             };
             let decide = |[one, other]: [u32; 2]| boxes[one as usize].overlaps(&boxes[other as usize]);
-            self.lanes.sweep_self(simd, found, classify, decide);
+            let reserve = |found: &mut Found, count: usize| {
+                if let Err(stopped) = budget.check() {
+                    found.ended = Some(stopped);
+                }
+                found.reserve(count, budget)
+            };
+            self.lanes.sweep_self(simd, found, reserve, classify, decide);
         }));
         if !self.lanes.records().is_empty() && coarser.iter().any(|coarse| !coarse.copies.is_empty()) {
             self.find_coarser(coarser, found);
@@ -236,7 +283,7 @@ impl Bucket<'_> {
 
     /// Sweeps each copy of a coarser level that is near this column against the copies of this
     /// column.
-    fn find_coarser(&self, coarser: &[Coarse], found: &mut Vec<[u32; 2]>) {
+    fn find_coarser(&self, coarser: &[Coarse], found: &mut Found) {
         let &Self { frame, boxes, level, is_shared, .. } = self;
         let column = |record: &Record| own_column(frame, level, &frame.image(&boxes[record.key as usize]), record);
         let mut columns: Vec<[i32; 2]> = Vec::new();
@@ -289,7 +336,7 @@ impl Bucket<'_> {
 /// Reports a pair if its images overlap across the columns and the boxes overlap; compares the
 /// boxes only if the images leave it uncertain.
 #[inline(always)]
-fn report_overlap(one: &Record, other: &Record, boxes: &[MinMax], found: &mut Vec<[u32; 2]>) {
+fn report_overlap(one: &Record, other: &Record, boxes: &[MinMax], found: &mut Found) {
     let verdict = one.verdict(other);
     if !verdict.is_apart && (verdict.is_certain || boxes_overlap(one, other, boxes)) {
         found.push(pair(one, other));

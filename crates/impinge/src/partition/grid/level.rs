@@ -178,7 +178,11 @@ impl Level {
 
     /// Calls `report` once for each pair of boxes of this level that overlap, in the cell of the
     /// minimum corner of their intersection.
-    pub(super) fn pairs(&self, items: &Items, mut report: impl FnMut(u32, u32)) {
+    pub(super) fn for_each_pair(
+        &self,
+        items: &Items,
+        mut report: impl FnMut(u32, u32) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         let mut here: Vec<(u32, QuantizedBox)> = Vec::new();
         for place in 0..self.lines.len() {
             here.clear();
@@ -199,12 +203,13 @@ impl Level {
                         let cell = [0, 1, 2].map(|axis| self.frame.cell_along(min[axis].max(others[axis]), axis));
                         let [one, two] = [one, two].map(|bounds| self.frame.reach(bounds).quantized(cell));
                         if self.layout.of(cell) == place && one == quantized && two == like {
-                            report(key, other);
+                            report(key, other)?;
                         }
                     }
                 }
             }
         }
+        ControlFlow::Continue(())
     }
 }
 

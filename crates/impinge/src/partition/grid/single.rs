@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use super::super::{BoxTree, Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work, forward_to_inner};
+use super::super::{
+    BoxTree, Cells, Changes, Dynamic, Holds, Items, Move, PairVisitor, Partition, Visitor, Work, forward_to_inner,
+};
 use super::batched_step::{self, BatchedMoves};
 use super::cell_visits::{CellVisits, MAX_PATH_CELLS};
 use super::level::Level;
@@ -172,17 +174,18 @@ impl Partition for Single {
         self.level.overlapping(&self.items, bounds, work, visit)
     }
 
-    fn pairs(&self) -> Vec<[u32; 2]> {
-        let mut pairs = self.large.pairs();
-        self.level.pairs(&self.items, |one, other| pairs.push([one.min(other), one.max(other)]));
+    fn for_each_pair(&self, visit: &mut PairVisitor<'_>) -> ControlFlow<()> {
+        self.large.for_each_pair(visit)?;
+        self.level.for_each_pair(&self.items, |one, other| visit([one.min(other), one.max(other)]))?;
+        let mut flow = ControlFlow::Continue(());
         self.large.each(&mut |key, bounds| {
-            let _ = self.level.overlapping(&self.items, bounds, &mut Work::default(), &mut |other| {
-                pairs.push([key.min(other), key.max(other)]);
-                ControlFlow::Continue(())
-            });
+            if flow.is_continue() {
+                flow = self.level.overlapping(&self.items, bounds, &mut Work::default(), &mut |other| {
+                    visit([key.min(other), key.max(other)])
+                });
+            }
         });
-        pairs.sort_unstable();
-        pairs
+        flow
     }
 }
 

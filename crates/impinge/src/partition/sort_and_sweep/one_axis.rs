@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::super::{Cells, Dynamic, Holds, Items, Partition, Visitor, Work};
+use super::super::{Cells, Dynamic, Holds, Items, PairVisitor, Partition, Visitor, Work};
 use super::{Axis, Widest, reorder};
 use crate::volume::{BoundingVolume, MinMax};
 
@@ -129,19 +129,17 @@ impl Partition for SweepOneAxis {
         ControlFlow::Continue(())
     }
 
-    fn pairs(&self) -> Vec<[u32; 2]> {
+    fn for_each_pair(&self, visit: &mut PairVisitor<'_>) -> ControlFlow<()> {
         let axis = self.axis.number();
-        let mut pairs = Vec::new();
         for (at, entry) in self.entries.iter().enumerate() {
             let end = entry.bounds.max()[axis];
             for other in self.entries[at + 1..].iter().take_while(|other| other.bounds.min()[axis] <= end) {
                 if entry.bounds.overlaps(&other.bounds) {
-                    pairs.push([entry.key.min(other.key), entry.key.max(other.key)]);
+                    visit([entry.key.min(other.key), entry.key.max(other.key)])?;
                 }
             }
         }
-        pairs.sort_unstable();
-        pairs
+        ControlFlow::Continue(())
     }
 }
 

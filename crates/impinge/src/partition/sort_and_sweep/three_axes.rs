@@ -6,7 +6,7 @@
 
 use std::ops::ControlFlow;
 
-use super::super::{Cells, Changes, Dynamic, Holds, Items, Move, Partition, Visitor, Work};
+use super::super::{Cells, Changes, Dynamic, Holds, Items, Move, PairVisitor, Partition, Visitor, Work};
 use super::{Widest, reorder};
 use crate::volume::{BoundingVolume, MinMax};
 
@@ -250,14 +250,11 @@ impl Partition for SweepThreeAxes {
     }
 
     /// Returns the stored pairs; nothing is compared.
-    fn pairs(&self) -> Vec<[u32; 2]> {
-        let above = |key: usize| {
-            let partners = &self.partners[key];
-            partners[partners.partition_point(|&other| other < key as u32)..]
-                .iter()
-                .map(move |&other| [key as u32, other])
-        };
-        (0..self.partners.len()).flat_map(above).collect()
+    fn for_each_pair(&self, visit: &mut PairVisitor<'_>) -> ControlFlow<()> {
+        (0..).zip(&self.partners).try_for_each(|(key, partners)| {
+            let above = &partners[partners.partition_point(|&other| other < key)..];
+            above.iter().try_for_each(|&other| visit([key, other]))
+        })
     }
 }
 

@@ -1,5 +1,5 @@
 //! Piles of faces in one place: the pairs of faces that tie are quadratic in number, although the
-//! answer is small. The interrupt counts the work, as a query asks it after each slice.
+//! answer is small. The budget counts the work, as a query checks it after each slice.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -19,7 +19,7 @@ fn soup(faces: &[Triangle]) -> Mesh {
     Mesh::new(Positions::F64(faces.concat()), numbers).expect("a mesh")
 }
 
-/// Returns how often a query asks its interrupt, and what it returns.
+/// Returns how often a query checks its budget, and what it returns.
 fn counted<T>(ask: impl FnOnce(Query<'_>) -> T) -> (usize, T) {
     let asked = AtomicUsize::new(0);
     let never = || {
@@ -111,7 +111,7 @@ fn the_first_pairs_are_the_smallest_of_all() {
 
 /// Flat faces of sizes from 2^-500 to 2^100. Each pair is decided exactly.
 #[test]
-fn a_search_asks_its_interrupt_after_few_exact_decisions() {
+fn a_search_checks_its_budget_after_few_exact_decisions() {
     let mut rng = Rng::new(907);
     let faces: Vec<Triangle> = (0..150)
         .map(|_| {
@@ -133,7 +133,7 @@ fn a_search_asks_its_interrupt_after_few_exact_decisions() {
 
 /// A cone of thousands of faces with one tip, which have a hierarchy of their own.
 #[test]
-fn a_search_at_a_hub_asks_its_interrupt() {
+fn a_search_at_a_hub_checks_its_budget() {
     let mut fan = impinge_testkit::generate::solids::fan(4000);
     fan.vertices.iter_mut().skip(1).for_each(|vertex| vertex[2] = 0.7);
     let mesh = Mesh::new(Positions::F64(fan.vertices), fan.faces).expect("a mesh");

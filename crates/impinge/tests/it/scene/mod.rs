@@ -1,5 +1,8 @@
 //! Scenes against all pairs of parts, queried one by one.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use impinge::Budget;
 use impinge::query::batch::{Execution, Poses, Status};
 use impinge::query::{self, Penetrates};
 use impinge::scene::{PartId, Question, Scene, SceneError, Stop};
@@ -132,4 +135,45 @@ fn invalid_poses_count_as_hits_with_every_part() {
     let sheared = Pose::from_matrix(sheared).unwrap();
     assert!(matches!(scene.add("sheared", &ball, sheared), Err(SceneError::Pose { .. })));
     assert_eq!((scene.find("2"), scene.name(parts[2])), (Some(parts[2]), "2"));
+}
+
+/// Returns a scene of nested surfaces, all pairs of whose boxes overlap.
+fn nested(count: usize, size: impl Fn(usize) -> f64) -> Scene {
+    let mut scene = Scene::new();
+    for number in 0..count {
+        let shell = mesh(&cuboid([-size(number); 3], [size(number); 3]));
+        scene.add(format!("shell {number}"), Shape::from(&shell), Pose::IDENTITY).unwrap();
+    }
+    scene
+}
+
+#[test]
+fn the_first_pair_may_come_after_any_number_of_pairs_that_are_apart() {
+    // 1,326 pairs, of which only the last one intersects.
+    let scene = nested(52, |number| 1.0 + number.min(50) as f64);
+    let parts: Vec<PartId> = scene.parts().collect();
+    let check = |stop| scene.check(Question::Intersects, stop, &scene.configurations(), Execution::default()).unwrap();
+    let [first, all] = [Stop::First, Stop::All].map(|stop| check(stop).values);
+    assert_eq!(first, all);
+    assert_eq!(first[0].iter().map(|pair| pair.parts).collect::<Vec<_>>(), [[parts[50], parts[51]]]);
+}
+
+#[test]
+fn pairs_after_the_first_are_not_checked() {
+    // 19,900 pairs, all of which intersect. The budget is checked before each of them.
+    let scene = nested(200, |_| 1.0);
+    let asked = |stop| {
+        let asked = AtomicUsize::new(0);
+        let count = || {
+            asked.fetch_add(1, Ordering::Relaxed);
+            false
+        };
+        let budget = Budget::new().with_cancel(&count);
+        let execution = Execution::default().with_budget(&budget);
+        let found = scene.check(Question::Intersects, stop, &scene.configurations(), execution).unwrap();
+        (found.values[0].len(), asked.into_inner())
+    };
+    let ((first, few), (all, many)) = (asked(Stop::First), asked(Stop::All));
+    assert_eq!((first, all), (1, 19_900));
+    assert!(many > 19_900 && few < many / 4, "{few} of {many}");
 }

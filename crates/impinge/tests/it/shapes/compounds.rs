@@ -1,8 +1,8 @@
 //! Compounds against their parts, queried one by one.
 
-use impinge::Pose;
 use impinge::query;
 use impinge::shape::{PlacedShape, Shape};
+use impinge::{InputErrorKind, Pose};
 use impinge_testkit::generate::solids::icosphere;
 use impinge_testkit::generate::{Rng, poses};
 
@@ -122,4 +122,29 @@ fn compounds_of_many_parts_answer_as_their_parts() {
         apart += usize::from(!hit);
     }
     assert!(meeting > 5 && apart > 5 && contacts > 40, "{meeting} {apart} {contacts}");
+}
+
+/// Compounds of compounds multiply their parts. They answer as a flat compound, and are refused
+/// beyond the maximum before any copy.
+#[test]
+fn nested_compounds_have_a_maximum_number_of_parts() {
+    let step = |x: f64| Pose::from_translation([x, 0.0, 0.0]).unwrap();
+    let mut nested = Shape::sphere([0.0; 3], 0.25).unwrap();
+    let mut flat = vec![(nested.clone(), Pose::IDENTITY)];
+    for level in 0..6 {
+        let by = step(f64::from(1 << level));
+        nested = Shape::compound(&[(nested.clone(), Pose::IDENTITY), (nested, by)]).unwrap();
+        let moved: Vec<(Shape, Pose)> =
+            flat.iter().map(|(shape, pose)| (shape.clone(), by.compose(pose).unwrap())).collect();
+        flat.extend(moved);
+    }
+    let [nested_placed, flat] = [&nested, &Shape::compound(&flat).unwrap()].map(|shape| shape.at(step(0.5)).unwrap());
+    let probe = Shape::cuboid([3.0, 0.125, 0.125]).unwrap().at(step(20.25)).unwrap();
+    assert_eq!(query::contacts(&nested_placed, &probe), query::contacts(&flat, &probe));
+    assert!(query::contacts(&nested_placed, &probe).len() > 3);
+    let repeated = vec![(nested, Pose::IDENTITY); 1 << 7];
+    let many = Shape::compound(&repeated).unwrap();
+    let refused = Shape::compound(&vec![(many, Pose::IDENTITY); (1 << 7) + 1]).unwrap_err();
+    let expected = InputErrorKind::TooMany { what: "parts", count: (1 << 20) + (1 << 13), limit: 1 << 20 };
+    assert_eq!(refused.kind(), &expected);
 }

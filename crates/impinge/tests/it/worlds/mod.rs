@@ -1,6 +1,8 @@
 //! Worlds: every broad phase finds all pairs, after any additions, removals and moves.
 
 mod boxes;
+mod canceled;
+mod crowds;
 mod events;
 mod laws;
 mod rays;
