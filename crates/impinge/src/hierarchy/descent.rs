@@ -58,17 +58,12 @@ const MUCH_LARGER: f32 = 16.0;
 /// Two nodes to open.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Task {
-    guest: u32,
-    host: u32,
+    pub(crate) guest: u32,
+    pub(crate) host: u32,
 }
 
 impl Task {
     const ROOT: Self = Self { guest: 0, host: 0 };
-
-    /// Returns the nodes of the host and of the guest.
-    pub(crate) fn host_guest(&self) -> [u32; 2] {
-        [self.host, self.guest]
-    }
 }
 
 /// A guest leaf, and the leaves of a host node that overlap it.
@@ -123,8 +118,7 @@ pub(crate) enum Order {
         ahead: usize,
         most: usize,
     },
-    /// Opens the first task first, until there are `enough` tasks to share, or none, and at most
-    /// `most` tasks.
+    /// Opens the first task first, at most `most`, until there are `enough` to share.
     BreadthFirst { enough: usize, most: usize },
 }
 

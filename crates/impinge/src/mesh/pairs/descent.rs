@@ -162,7 +162,7 @@ fn joined(budget: &Budget<'_>, all: &mut Vec<[u32; 2]>, lists: &[Vec<[u32; 2]>])
 
 /// Returns the node of the first mesh that a task opens.
 fn first_node(sides: Sides, task: &Task) -> u32 {
-    let [first, _] = sides.first_second(task.host_guest());
+    let [first, _] = sides.first_second([task.host, task.guest]);
     first
 }
 

@@ -2,11 +2,12 @@
 //! contacts.
 //!
 //! `table` chooses the kernel for two parts by their representations. `search` finds the depth of
-//! shapes that are not convex, with `beyond` and `spheres`. `contacts` makes manifolds, with
+//! shapes that are not convex, with `directions`, `beyond` and `spheres`. `contacts` makes manifolds, with
 //! `seams` for those of compounds.
 
 mod beyond;
 pub(super) mod contacts;
+mod directions;
 mod seams;
 pub(super) mod search;
 mod spheres;
