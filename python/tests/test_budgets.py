@@ -1,4 +1,4 @@
-"""Limits of time and memory: calls end with an error or with marked rows, and the next call is not affected."""
+"""Limits of time and memory: calls end with an error or with marked rows, and later calls work."""
 
 import time
 

@@ -20,7 +20,7 @@ static HELD: AtomicUsize = AtomicUsize::new(0);
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct Limits(Allowed);
 
-/// What a call may use.
+/// Limits of a call: a deadline and a number of bytes.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Allowed {
     deadline: Option<Instant>,

@@ -40,8 +40,8 @@ pub(crate) fn separation(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
     found
 }
 
-/// Proved bounds on the distance of two shapes, in world units, with the direction from A to B along
-/// which their cores are proved apart.
+/// Proved bounds on the distance of two shapes, in world units, with the direction from A to B
+/// along which their cores are proved apart.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Parting {
     pub(crate) lower: f64,

@@ -116,8 +116,8 @@ impl Core<'_> {
         }
     }
 
-    /// Returns a farthest point along a direction whose greatest entry is ±1, both in the core's own
-    /// frame, and its vertex if the core is a hull. The climb over a hull starts at `vertex`.
+    /// Returns a farthest point along a direction whose greatest entry is ±1, both in the core's
+    /// own frame, and its vertex if the core is a hull. The climb over a hull starts at `vertex`.
     #[inline]
     pub(crate) fn farthest(&self, along: [f64; 3], vertex: u32) -> ([f64; 3], u32) {
         match self {

@@ -102,7 +102,8 @@ fn unscaled_signs<const N: usize>(
     (signs, relative < underflow)
 }
 
-/// Adds to the known signs those that are certain once the largest component along each axis is about 1.
+/// Adds to the known signs those that are certain once the largest component along each axis is
+/// about 1.
 ///
 /// # Accuracy
 /// A product with a power of two is exact, or it underflows and loses 2^-1075 at most. Components

@@ -50,8 +50,9 @@ use crate::mesh::WarmStart;
 ///
 /// # Complexity
 /// For meshes that are apart the time is logarithmic, and grows with the number of faces that are
-/// about as near as the nearest. Copies of a face count once if many faces tie. Flat sides that face
-/// each other take one pass over the vertices instead. For meshes that intersect the time is that of [`intersects`](super::intersects()).
+/// about as near as the nearest. Copies of a face count once if many faces tie. Flat sides that
+/// face each other take one pass over the vertices instead. For meshes that intersect the time is
+/// that of [`intersects`](super::intersects()).
 ///
 /// # Source
 /// Meshes: Larsen, Gottschalk, Lin, Manocha, *Fast proximity queries with swept sphere volumes*,

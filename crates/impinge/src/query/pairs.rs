@@ -58,9 +58,9 @@ pub struct LimitedPairs {
 /// Exact, as for [`intersecting_pairs`].
 ///
 /// # Complexity
-/// If there are at most `limit` pairs, as for [`intersecting_pairs`]. Once more are found, all parts
-/// of the hierarchy whose pairs come after the pairs that are kept are skipped. Each thread needs
-/// memory for a few times `limit` pairs, and for a few thousand.
+/// If there are at most `limit` pairs, as for [`intersecting_pairs`]. Once more are found, all
+/// parts of the hierarchy whose pairs come after the pairs that are kept are skipped. Each thread
+/// needs memory for a few times `limit` pairs, and for a few thousand.
 #[must_use]
 pub fn intersecting_pairs_up_to<'a, 'b>(
     a: impl Into<PlacedMesh<'a>>,

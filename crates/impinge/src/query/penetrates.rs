@@ -60,7 +60,8 @@ pub fn penetrates_of_pairs<'a, 'b>(
     decide(a.into(), b.into(), pairs, Budget::unlimited())
 }
 
-/// Computes [`penetrates_of_pairs`]. Once the budget is spent, everything that is left is undecided.
+/// Computes [`penetrates_of_pairs`]. Once the budget is spent, everything that is left is
+/// undecided.
 pub(super) fn decide(a: PlacedMesh<'_>, b: PlacedMesh<'_>, pairs: &[[u32; 2]], budget: &Budget<'_>) -> Penetrates {
     /// Number of contacts that are classified before the parts and all other contacts. If bodies
     /// are deep in each other, any contact shows it. More contacts take longer if they prove

@@ -90,9 +90,9 @@ impl<'s> Sweep<'s> {
         Self { budget, ..self }
     }
 
-    /// Returns this sweep with a limit on the number of pairs of pieces that it compares, if that is
-    /// less than 2^21, the default. If the limit is reached, the answer is undecided: the things are
-    /// proved apart up to `t_lower`. An exact distance of two polytopes counts as 128 pairs.
+    /// Returns this sweep with a limit on the number of pairs of pieces that it compares, if that
+    /// is less than 2^21, the default. If the limit is reached, the answer is undecided: the things
+    /// are proved apart up to `t_lower`. An exact distance of two polytopes counts as 128 pairs.
     #[must_use]
     pub fn with_max_pairs(self, max_pairs: u64) -> Self {
         Self { max_pairs: max_pairs.min(MAX_PAIRS), ..self }
@@ -114,7 +114,8 @@ impl<'s> Sweep<'s> {
         if motion_a.is_before(motion_b) {
             return self.in_order([&a, &b], [motion_a, motion_b]);
         }
-        // The motions determine the order of the arithmetic, so swapping the things changes no digit.
+        // The motions determine the order of the arithmetic, so swapping the things changes no
+        // digit.
         let mut impact = self.in_order([&b, &a], [motion_b, motion_a])?;
         if let Some(touch) = &mut impact.touch {
             touch.normal = touch.normal.map(|x| 0.0 - x);
@@ -146,8 +147,8 @@ impl<'s> Sweep<'s> {
         let mut bodies = [Body::new(shapes[0], motions[0])?, Body::new(shapes[1], motions[1])?];
         let resolution = TOUCHING * (bodies[0].reach + bodies[1].reach);
         let error = bodies[0].error + bodies[1].error;
-        // A direction along which two pieces are apart by more than they may overlap along another one
-        // cannot be its opposite. So flat pieces do not pass through each other.
+        // A direction along which two pieces are apart by more than they may overlap along another
+        // one cannot be its opposite. So flat pieces do not pass through each other.
         let overlap = 2.0 * error + resolution;
         let gap = clearance + if self.ignores_touch { overlap } else { error };
         let mut search = Search::new(&mut bodies, gap, resolution, self.max_pairs)

@@ -66,8 +66,8 @@ impl<'m> Body<'m> {
             body.roots.push(root);
         }
         let linear = scaled_length(&motion.at(0.0).linear().map(|row| scaled_length(&row)));
-        // The roundings of heights are below 64 u of the sizes whose errors the motion bounds. Parts
-        // of a compound are placed once more.
+        // The roundings of heights are below 64 u of the sizes whose errors the motion bounds.
+        // Parts of a compound are placed once more.
         body.error = 3.0 * motion.error(body.reach) + 64.0 * f64::EPSILON * linear * body.reach;
         Ok(body)
     }
@@ -274,8 +274,8 @@ impl<'m> Body<'m> {
     }
 }
 
-/// Returns the farthest point of a core along a direction of the frame that its pose maps to, in its
-/// own frame.
+/// Returns the farthest point of a core along a direction of the frame that its pose maps to, in
+/// its own frame.
 fn farthest(swept: &Swept<'_>, along: &Vector) -> Vector {
     let linear = swept.pose.linear();
     let turned = [0, 1, 2].map(|j| (0..3).map(|k| linear[k][j] * along[k]).sum::<f64>());

@@ -171,9 +171,9 @@ impl Interval {
         [Some(chord.map(|height| height + sagitta)), Some(circle)]
     }
 
-    /// Returns directions along which two bounded pieces may be apart in the middle of the interval:
-    /// between their centers, across the faces of boxes, across slabs and triangles, and across
-    /// pairs of edges of triangles.
+    /// Returns directions along which two bounded pieces may be apart in the middle of the
+    /// interval: between their centers, across the faces of boxes, across slabs and triangles, and
+    /// across pairs of edges of triangles.
     fn directions(&self, bodies: &[Body<'_>; 2], pieces: [&Piece; 2]) -> impl Iterator<Item = Vector> {
         let mut found = Candidates { directions: [[0.0; 3]; 32], count: 0 };
         let mut centers = [[0.0; 3]; 2];
@@ -209,8 +209,8 @@ impl Interval {
         let towards_b = sub(&centers[1], &centers[0]);
         found.push(towards_b);
         for side in 0..2 {
-            // A body that turns stays inside the circles about its axis. The direction from the axis
-            // to the other piece is where they leave the widest gap.
+            // A body that turns stays inside the circles about its axis. The direction from the
+            // axis to the other piece is where they leave the widest gap.
             let axis = bodies[side].motion.turn().axis;
             let away = sub(&centers[1 - side], &self.middle.pivots[side]);
             if axis != [0.0; 3] {

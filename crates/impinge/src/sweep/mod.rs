@@ -1,12 +1,13 @@
 //! Continuous collision detection: the times at which moving things first touch.
 //!
 //! - `time_of_impact` handles meshes and shapes that move rigidly, and [`Sweep`] has its options. A
-//!   `body` is a tree of `piece`s, an `interval` proves two pieces apart, and `search` divides both;
+//!   `body` is a tree of `piece`s, an `interval` proves two pieces apart, and `search` divides
+//!   both;
 //! - `linear` handles a vertex and a face, or two edges, whose corners move along lines;
 //! - `deforming` handles surfaces whose vertices move along lines.
 //!
-//! The proofs are in docs/notes/proof.md, L23 to L25 and L34. The tests are in `tests/it/sweep`, and the
-//! benchmark is `ccd` in `impinge-bench`.
+//! The proofs are in docs/notes/proof.md, L23 to L25 and L34. The tests are in `tests/it/sweep`,
+//! and the benchmark is `ccd` in `impinge-bench`.
 
 mod ask;
 mod batch;

@@ -1,5 +1,5 @@
-//! The search for the first time at which two bodies may touch: a descent over intervals of time and
-//! pairs of pieces.
+//! The search for the first time at which two bodies may touch: a descent over intervals of time
+//! and pairs of pieces.
 //!
 //! Intervals are halved, the earlier half first. For each interval there is a list of pairs of
 //! pieces that are not proved apart. A pair that is not proved apart over an interval is divided:
@@ -56,8 +56,8 @@ pub(super) struct Search<'s, 'm> {
     bodies: &'s mut [Body<'m>; 2],
     /// Lower bound on the gap that proves two pieces apart, in world units.
     gap: f64,
-    /// Gap along one direction that two pieces may keep from the start on although it does not prove
-    /// them apart, if bodies may touch. It is less than zero by more than rounding.
+    /// Gap along one direction that two pieces may keep from the start on although it does not
+    /// prove them apart, if bodies may touch. It is less than zero by more than rounding.
     touch_gap: Option<f64>,
     /// Pieces that approach each other by no more than this over an interval are not divided in
     /// time.
@@ -222,7 +222,7 @@ struct Window {
     since_start: Option<(Interval, f64)>,
 }
 
-/// What remains of a pair of pieces over an interval.
+/// Remainder of a pair of pieces over an interval.
 enum Division {
     /// Nothing: the pieces are proved apart.
     Apart,

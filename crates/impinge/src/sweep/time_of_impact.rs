@@ -51,10 +51,10 @@ use crate::shape::Shape;
 /// a mesh.
 ///
 /// # Complexity
-/// The number of pairs of pieces that are compared, about a microsecond each. Things that keep a gap
-/// along one direction take one pair, however far they move along each other. Otherwise the number
-/// grows with the faces that come near, and with the root of the angle over the gap. At most 2^21
-/// pairs are compared ([`Sweep::with_max_pairs`]). The vertices of meshes are summed up once.
+/// The number of pairs of pieces that are compared, about a microsecond each. Things that keep a
+/// gap along one direction take one pair, however far they move along each other. Otherwise the
+/// number grows with the faces that come near, and with the root of the angle over the gap. At most
+/// 2^21 pairs are compared ([`Sweep::with_max_pairs`]). The vertices of meshes are summed up once.
 ///
 /// # Source
 /// The heads of `sweep/interval.rs` and `sweep/search.rs`; the proof is docs/notes/proof.md, L34.

@@ -29,8 +29,8 @@ const DEFERRED_PER_VALUE: usize = 4;
 /// well, so a smaller number would try planes without success on ordinary meshes.
 const MIN_TIES: usize = 256;
 
-/// Number of ties per face of both meshes from which copies of faces are skipped. Finding them takes
-/// about as long as two values per face.
+/// Number of ties per face of both meshes from which copies of faces are skipped. Finding them
+/// takes about as long as two values per face.
 const TIES_PER_FACE: usize = 4;
 
 /// Maximum ratio of the diagonal of the whole scene to the extent of the smaller mesh for which
@@ -59,7 +59,8 @@ pub(super) struct Answer {
     /// Number of processed pairs of faces that tie with the best pair. In a query with a clearance,
     /// number of processed pairs that are farther apart than the clearance.
     ties: usize,
-    /// Whether copies of a face are skipped, all but the first. Each tie then counts for all copies.
+    /// Whether copies of a face are skipped, all but the first. Each tie then counts for all
+    /// copies.
     pub(super) skips_copies: bool,
     /// Number of ties from which copies are skipped.
     many_ties: usize,

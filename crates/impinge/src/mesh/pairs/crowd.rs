@@ -6,9 +6,9 @@
 //! eight, and each part lists the faces that reach into it. Two faces that intersect have a common
 //! point, so both are listed in a cell that holds it.
 //!
-//! Source: the spatial subdivision of Ericson, *Real-Time Collision Detection*, 7.3, and the test of
-//! a triangle and a box of Akenine-Möller, *Fast 3D triangle-box overlap testing*, JGT 2001. Ours
-//! bounds the work of the division by that of comparing all faces.
+//! Source: the spatial subdivision of Ericson, *Real-Time Collision Detection*, 7.3, and the test
+//! of a triangle and a box of Akenine-Möller, *Fast 3D triangle-box overlap testing*, JGT 2001.
+//! Ours bounds the work of the division by that of comparing all faces.
 //!
 //! Guarded by the tests below and by `solids/self_intersection.rs`.
 
@@ -19,8 +19,8 @@ use crate::math::vec3::{Vector, cross, dot, sub};
 use crate::mesh::Mesh;
 use crate::mesh::storage::frame::REACH;
 
-/// Number of faces up to which a cell is not divided. Comparing so many faces with each other takes
-/// about as long as dividing the cell.
+/// Number of faces up to which a cell is not divided. Comparing this number of faces with each
+/// other takes about as long as dividing the cell.
 const MAX_CELL_FACES: usize = 24;
 
 /// Number of pairs of faces that take as long to compare as a face and eight cells. The division of
@@ -164,8 +164,8 @@ mod tests {
         Mesh::new(Positions::F64(faces.concat()), numbers).expect("a mesh")
     }
 
-    /// Needles through the middle, from and to points of a coarse grid, so that many touch cells and
-    /// each other.
+    /// Needles through the middle, from and to points of a coarse grid, so that many touch cells
+    /// and each other.
     fn needles(rng: &mut Rng, count: usize, width: f64) -> Mesh {
         soup(
             (0..count)

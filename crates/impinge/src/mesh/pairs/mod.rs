@@ -4,9 +4,10 @@
 //! first and the second mesh, and `relation` bounds the error of the map between their packed
 //! frames. `filter` classifies most pairs of packed triangles. `large_leaf` compares a large leaf
 //! with nodes, and `guest_cache` caches guest leaves in the host's frame. `leaf_pairs` queues pairs
-//! of leaves and sends undecided pairs of faces to the exact decision, and `wanted` says which pairs
-//! are kept. `descent` ties these together. `hubs` finds vertices with many faces, `crowd` divides
-//! the space of faces whose boxes all overlap, and `self_descent` finds the pairs within one mesh.
+//! of leaves and sends undecided pairs of faces to the exact decision, and `wanted` says which
+//! pairs are kept. `descent` ties these together. `hubs` finds vertices with many faces, `crowd`
+//! divides the space of faces whose boxes all overlap, and `self_descent` finds the pairs within
+//! one mesh.
 
 pub(super) mod crowd;
 pub(super) mod descent;

@@ -67,9 +67,9 @@ impl<'e> Batch<'e> {
         self.sides.each_ref().map(Side::poses)
     }
 
-    /// Returns the result of `ask` for each row. `ask` gets a query with the budget and with a cache
-    /// that consecutive rows share, and the two things at their poses. A row with an invalid pose
-    /// gets `safe`, and so do rows that are not complete when a limit of the budget is reached
+    /// Returns the result of `ask` for each row. `ask` gets a query with the budget and with a
+    /// cache that consecutive rows share, and the two things at their poses. A row with an invalid
+    /// pose gets `safe`, and so do rows that are not complete when a limit of the budget is reached
     /// ([`Status::OutOfBudget`]).
     ///
     /// # Errors

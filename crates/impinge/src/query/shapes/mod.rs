@@ -2,8 +2,8 @@
 //! contacts.
 //!
 //! `table` chooses the kernel for two parts by their representations. `search` finds the depth of
-//! shapes that are not convex, with `directions`, `beyond` and `spheres`. `contacts` makes manifolds, with
-//! `seams` for those of compounds.
+//! shapes that are not convex, with `directions`, `beyond` and `spheres`. `contacts` makes
+//! manifolds, with `seams` for those of compounds.
 
 mod beyond;
 pub(super) mod contacts;

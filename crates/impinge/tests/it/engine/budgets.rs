@@ -14,7 +14,7 @@ fn knot() -> Mesh {
     Mesh::new(Positions::F64(knot.vertices), knot.faces).expect("a mesh")
 }
 
-/// A knot, and a thin one inside it, close to it everywhere.
+/// Returns a knot, and a thin one inside it, close to it everywhere.
 fn nested_knots() -> [Mesh; 2] {
     [1.0, 0.9].map(|thickness| {
         let knot = torus_knot(2000, 100, Knot { radius: thickness * TREFOIL.radius, ..TREFOIL });

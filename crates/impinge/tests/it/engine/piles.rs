@@ -55,7 +55,8 @@ fn copies_of_faces_change_no_distance() {
                 .iter()
                 .map(|face| face.map(|vertex| plain.vertices[vertex as usize].map(|x| x + shift)))
                 .collect();
-            // The first face is alone at the front, so that the first faces are those of `distinct`.
+            // The first face is alone at the front, so that the first faces are those of
+            // `distinct`.
             let more = (0..600).map(|_| distinct[rng.integer(0, distinct.len() as i64 - 1) as usize]);
             (soup(&distinct), soup(&distinct.iter().copied().chain(more.collect::<Vec<_>>()).collect::<Vec<_>>()))
         };
