@@ -7,9 +7,10 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use impinge::InputError;
+use impinge::budget::{Budget, Stopped};
 use impinge::partition::{
     Axis, BoxTree, BspTree, Cells, Changes, ColumnSweep, Dynamic, HashedGrid, HierarchicalGrid, KdTree, LooseOctree,
-    Move, MustEnd, Octree, Partition, Stopped, SweepOneAxis, SweepThreeAxes, UniformGrid,
+    Move, Octree, Partition, SweepOneAxis, SweepThreeAxes, UniformGrid,
 };
 use impinge::volume::MinMax;
 use numpy::{PyArray1, PyArrayMethods};

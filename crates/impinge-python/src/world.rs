@@ -7,7 +7,6 @@
 use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use impinge::Budget;
 use impinge::query::Proximity;
 use impinge::world::{Body, BodyId, Options, PairKey, Traits, World, WorldError};
 use impinge::{Pose, Positions};

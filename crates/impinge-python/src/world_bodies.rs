@@ -1,6 +1,7 @@
 //! Options, handles and traits of bodies by their names in Python, and errors that name the row of
 //! an argument.
 
+use impinge::budget::Stopped;
 use impinge::world::{BodyId, BroadPhase, Kind, Layers, NarrowPhase, PairKey, Realignment, Traits, WorldError};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
