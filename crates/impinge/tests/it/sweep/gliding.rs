@@ -65,12 +65,12 @@ fn a_capsule_glides_over_a_floor() {
     let capsule = Shape::capsule([0.0, 0.0, 0.3], [0.0, 0.0, 1.5], 0.3).unwrap();
     for (height, way) in [(0.1, 20.0), (0.01, 20.0), (0.001, 2.0), (0.001, 1.0), (1e-4, 0.2), (1e-6, 1.0)] {
         let glide = moving([0.0, 0.0, height], [way, 0.0, height]);
-        assert_never(&capsule, &floor(), &glide, &Motion::default());
+        assert_never(&capsule, floor(), &glide, &Motion::default());
     }
-    assert_never(&capsule, &floor(), &moving([0.0, 0.0, 0.01], [20.0, 0.0, 0.03]), &Motion::default());
+    assert_never(&capsule, floor(), &moving([0.0, 0.0, 0.01], [20.0, 0.0, 0.03]), &Motion::default());
     // It sinks and reaches the floor at half of the time.
     let sink = moving([0.0, 0.0, 0.01], [20.0, 0.0, -0.01]);
-    let impact = time_of_impact(&capsule, &floor(), &sink, &Motion::default()).unwrap();
+    let impact = time_of_impact(&capsule, floor(), &sink, &Motion::default()).unwrap();
     assert!(impact.t_lower <= 0.5 && impact.t_lower > 0.5 - 1e-8, "{impact:?}");
 }
 
@@ -80,7 +80,7 @@ fn a_wheel_rolls_over_a_floor() {
     let wheel = Shape::cylinder(0.1, 0.3).unwrap();
     let roll = |height: f64| spinning(lay(0.3 + height), [10.0, 0.0, 0.0], [0.0, 10.0 / 0.3, 0.0]);
     for height in [0.01, 0.001, 1e-4] {
-        assert_never(&wheel, &floor(), &roll(height), &Motion::default());
+        assert_never(&wheel, floor(), &roll(height), &Motion::default());
     }
 }
 
@@ -178,7 +178,7 @@ fn parallel_motions_hit_only_if_they_sink() {
         let level = if ground_number == 3 { 1.0 } else { 0.0 };
         let (linear, x) = (poses::rotation(&mut rng).linear, rng.uniform(-1.0, 1.0));
         let pose = |height: f64| Pose::new(linear, [x, 0.0, height]).unwrap();
-        let lowest = 9.0 - query::distance(&body.at(pose(9.0)).unwrap(), &floor().at(Pose::IDENTITY).unwrap()).lower;
+        let lowest = 9.0 - query::distance(body.at(pose(9.0)).unwrap(), floor().at(Pose::IDENTITY).unwrap()).lower;
         let ([mut slide, spin], travel) = parallel(&mut rng);
         let gap = travel * 10.0_f64.powf(rng.uniform(-5.9, -2.0));
         // The sheet is finite, so bodies that sink may miss it.
@@ -263,15 +263,15 @@ fn work_is_bounded() {
 fn a_clearance_is_kept() {
     let (sphere, rest) = (Shape::sphere([0.0; 3], 0.5).unwrap(), Motion::default());
     let sweep = Sweep::new().with_clearance(0.25);
-    let impact = sweep.time_of_impact(&sphere, &floor(), &moving([0.0, 0.0, 2.75], [0.0, 0.0, 0.0]), &rest).unwrap();
+    let impact = sweep.time_of_impact(&sphere, floor(), &moving([0.0, 0.0, 2.75], [0.0, 0.0, 0.0]), &rest).unwrap();
     assert!(impact.t_lower <= 2.0 / 2.75 && impact.t_lower > 2.0 / 2.75 - 1e-9 && impact.t_upper < 0.728, "{impact:?}");
     let glide = |height: f64| moving([0.0, 0.0, height], [9.0, 0.0, height]);
-    let near = sweep.time_of_impact(&sphere, &floor(), &glide(0.74), &rest).unwrap();
+    let near = sweep.time_of_impact(&sphere, floor(), &glide(0.74), &rest).unwrap();
     assert_eq!([near.t_lower, near.t_upper], [0.0; 2]);
-    assert_eq!(sweep.time_of_impact(&sphere, &floor(), &glide(0.751), &rest).unwrap(), Impact::NEVER);
+    assert_eq!(sweep.time_of_impact(&sphere, floor(), &glide(0.751), &rest).unwrap(), Impact::NEVER);
     let from = |end: f64| {
         let motion = moving([0.0, 0.0, 0.74], [9.0, 0.0, end]);
-        sweep.ignoring_touch().time_of_impact(&sphere, &floor(), &motion, &rest).unwrap()
+        sweep.ignoring_touch().time_of_impact(&sphere, floor(), &motion, &rest).unwrap()
     };
     assert_eq!((from(0.74), from(0.8)), (Impact::NEVER, Impact::NEVER));
     assert!(from(0.7).t_lower < 1e-6);
@@ -327,11 +327,11 @@ fn bodies_that_touch_may_slide_or_part() {
 fn the_first_touch_has_its_place() {
     let (sphere, rest) = (Shape::sphere([0.0; 3], 0.5).unwrap(), Motion::default());
     let fall = moving([1.0, 2.0, 2.5], [1.0, 2.0, 0.0]);
-    let touch = time_of_impact(&sphere, &floor(), &fall, &rest).unwrap().touch.unwrap();
+    let touch = time_of_impact(&sphere, floor(), &fall, &rest).unwrap().touch.unwrap();
     assert_eq!((touch.normal, touch.parts, touch.faces), ([0.0, 0.0, -1.0], [0, 0], [None, None]));
     let off = |point: [f64; 3], truth: [f64; 3]| (0..3).map(|k| (point[k] - truth[k]).abs()).fold(0.0, f64::max);
     assert!(off(touch.point, [1.0, 2.0, 0.0]) < 1e-8, "{touch:?}");
-    let back = time_of_impact(&floor(), &sphere, &rest, &fall).unwrap().touch.unwrap();
+    let back = time_of_impact(floor(), &sphere, &rest, &fall).unwrap().touch.unwrap();
     assert_eq!((back.normal, back.point), ([0.0, 0.0, 1.0], touch.point));
     let cube = Shape::cuboid([0.5; 3]).unwrap();
     let touch =
