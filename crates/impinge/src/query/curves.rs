@@ -60,7 +60,7 @@ fn distance(from: [f64; 3], to: [f64; 3]) -> f64 {
 /// nearest.
 ///
 /// # Complexity
-/// The time of [`intersecting_pairs`], and O(k log k) for k pairs.
+/// The time of [`intersecting_pairs`](super::intersecting_pairs()), and O(k log k) for k pairs.
 ///
 /// ```
 /// use impinge::{Mesh, Positions, query};
@@ -92,7 +92,8 @@ impl Query<'_> {
 }
 
 /// Computes the curves in which some pairs of faces intersect, in the world frame. `pairs` are
-/// pairs that [`intersecting_pairs`] returned for the same meshes and poses, or some of them.
+/// pairs that [`intersecting_pairs`](super::intersecting_pairs()) returned for the same meshes and
+/// poses, or some of them.
 /// Accuracy is that of [`intersection_curves`].
 ///
 /// # Panics
