@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 ///
 /// A query with a budget ends soon after one of the limits is reached. It then returns the safe
 /// answer: the things intersect, they are within any clearance, the lower bound of their distance
-/// is zero, the bounds of a depth are wider, and a list holds what was found so far. [`stopped`](Self::stopped) says whether this
+/// is zero, the bounds of a depth are wider, and a list holds what was found so far, or nothing if the budget canceled the query. [`stopped`](Self::stopped) says whether this
 /// happened. Until then the budget changes no answer. All later queries with the same budget end at
 /// once.
 ///

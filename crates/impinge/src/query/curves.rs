@@ -86,7 +86,11 @@ impl Query<'_> {
     pub fn intersection_curves<'a, 'b>(self, a: impl Into<PlacedMesh<'a>>, b: impl Into<PlacedMesh<'b>>) -> Curves {
         let (a, b) = (a.into(), b.into());
         let budget = self.options.budget;
-        let curves = curves_within([a, b], &self.intersecting_pairs(a, b), budget);
+        let pairs = self.intersecting_pairs(a, b);
+        if budget.stopped().is_some() {
+            return Curves::default();
+        }
+        let curves = curves_within([a, b], &pairs, budget);
         if budget.stopped().is_none() { curves } else { Curves::default() }
     }
 }
@@ -107,9 +111,10 @@ pub fn curves_of_pairs<'a, 'b>(
     curves_within([a.into(), b.into()], pairs, Budget::unlimited())
 }
 
-/// Computes [`curves_of_pairs`] with a budget. If it is spent, some curves are missing.
+/// Computes [`curves_of_pairs`] with a budget. If it is spent, curves are missing.
 fn curves_within(placed: [PlacedMesh<'_>; 2], pairs: &[[u32; 2]], budget: &Budget<'_>) -> Curves {
-    Linked::new(placed, &crossings(placed, pairs, budget), budget).curves()
+    let crossings = crossings(placed, pairs, budget);
+    if budget.stopped().is_some() { Curves::default() } else { Linked::new(placed, &crossings, budget).curves() }
 }
 
 /// Pair of faces with its intersection.

@@ -1,6 +1,7 @@
 //! Finds the pairs of intersecting faces, one face from each of two meshes.
 
 use super::{Query, pair_order};
+use crate::budget::Stopped;
 use crate::mesh::{PlacedMesh, collect_intersecting};
 
 /// Returns all pairs of faces (face of `a`, face of `b`) that have a point in common, sorted and
@@ -79,7 +80,9 @@ impl Query<'_> {
         a: impl Into<PlacedMesh<'a>>,
         b: impl Into<PlacedMesh<'b>>,
     ) -> Vec<[u32; 2]> {
-        pair_order::sorted(collect_intersecting(a.into(), b.into(), usize::MAX, &self.options))
+        let found = collect_intersecting(a.into(), b.into(), usize::MAX, &self.options);
+        // Sorting many pairs takes long, and the caller of a canceled query does not want them.
+        if self.options.budget.stopped() == Some(Stopped::Canceled) { Vec::new() } else { pair_order::sorted(found) }
     }
 
     /// Returns the first `limit` pairs of faces (face of `a`, face of `b`) that have a point in

@@ -12,7 +12,7 @@ use super::relation::Relations;
 use super::sides::Sides;
 use super::wanted::{Deciding, Kept, Wanted, keep_smallest};
 use super::world_box;
-use crate::budget::Budget;
+use crate::budget::{Budget, Stopped};
 use crate::exact::{Placement, triangles_intersect};
 use crate::hierarchy::{Descent, Order, QUEUE, Task};
 use crate::mesh::{Options, PlacedMesh};
@@ -153,9 +153,10 @@ fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Option
     first.found
 }
 
-/// Appends lists of pairs to a list, as far as the budget allows.
+/// Appends lists of pairs to a list, as far as the budget allows. A canceled query has no use for
+/// them.
 fn joined(budget: &Budget<'_>, all: &mut Vec<[u32; 2]>, lists: &[Vec<[u32; 2]>]) {
-    if budget.reserve(all, lists.iter().map(Vec::len).sum()) {
+    if budget.stopped() != Some(Stopped::Canceled) && budget.reserve(all, lists.iter().map(Vec::len).sum()) {
         lists.iter().for_each(|list| all.extend_from_slice(list));
     }
 }

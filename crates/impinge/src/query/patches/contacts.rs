@@ -7,6 +7,7 @@
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::{ContactPatch, PairCrossing, Region, regions_of};
+use crate::budget::Budget;
 use crate::convex::{
     Body, Contact, Contacts, Feature, Found, OrientedFace, Surface, contacts_of_bodies, pieces, unresolved,
 };
@@ -22,18 +23,18 @@ const NO_DEPTH: f64 = 1.0 / (1 << 28) as f64;
 /// of faces must be in counterclockwise order seen from outside.
 ///
 /// A region that touches only with faces without area has a contact at each end of a piece of its
-/// curve, whose depth is at most that of the region.
-pub(crate) fn contacts_of_patches(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Vec<Contacts> {
+/// curve, whose depth is at most that of the region. If the budget is spent, contacts are missing.
+pub(crate) fn contacts_of_patches(a: PlacedMesh<'_>, b: PlacedMesh<'_>, budget: &Budget<'_>) -> Vec<Contacts> {
     let placed = [a, b];
     let near = NO_DEPTH * size(&placed[0]).min(size(&placed[1]));
     let of_region = |region: Region| {
-        let found = of_pieces(placed, &region.patch, near);
+        let found = of_pieces(placed, &region.patch, near, budget);
         if !found.is_empty() {
             return found;
         }
         vec![Contacts { normal: region.patch.normal, contacts: contacts_of_curve(placed, &region) }]
     };
-    regions_of(placed).into_iter().flat_map(of_region).collect()
+    regions_of(placed, budget).into_iter().flat_map(of_region).collect()
 }
 
 fn size(placed: &PlacedMesh<'_>) -> f64 {
@@ -41,7 +42,7 @@ fn size(placed: &PlacedMesh<'_>) -> f64 {
     surface.world_bounds().map_or(0.0, |[min, max]| length(&sub(&max, &min)))
 }
 
-fn of_pieces(placed: [PlacedMesh<'_>; 2], patch: &ContactPatch, near: f64) -> Vec<Contacts> {
+fn of_pieces(placed: [PlacedMesh<'_>; 2], patch: &ContactPatch, near: f64, budget: &Budget<'_>) -> Vec<Contacts> {
     let faces = [0, 1].map(|side| faces_of(placed[side], patch, side));
     let mut piece_of: [HashMap<u32, usize>; 2] = Default::default();
     let mut bodies: [Vec<Body<'_>>; 2] = Default::default();
@@ -68,6 +69,9 @@ fn of_pieces(placed: [PlacedMesh<'_>; 2], patch: &ContactPatch, near: f64) -> Ve
     let [bodies_a, bodies_b] = &mut bodies;
     let mut found = Vec::new();
     for [a, b] in pairs {
+        if budget.is_spent() {
+            break;
+        }
         if let Some(contacts) = contacts_of_bodies(&mut bodies_a[a], &mut bodies_b[b], 0.0)
             && contacts.contacts.iter().any(|contact| contact.upper >= 0.0)
         {

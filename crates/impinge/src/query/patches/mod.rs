@@ -15,8 +15,8 @@ mod interior;
 
 use std::collections::{HashMap, HashSet};
 
+use super::Query;
 use super::curves::{Curves, Linked, PairCrossing, crossings};
-use super::intersecting_pairs;
 use crate::budget::Budget;
 use crate::convex::to_unit_length;
 use crate::exact::Crossing;
@@ -75,22 +75,25 @@ pub struct ContactPatch {
 /// normal of a face of the first mesh.
 ///
 /// # Complexity
-/// The time of [`intersecting_pairs`], and O(k log k) for k pairs. Each side of each curve takes
-/// the time of [`Mesh::contains`](crate::Mesh::contains) for one point; if a mesh is open, each
-/// vertex at the curve does. A region with vertices inside takes linear time in their number. The
-/// first such query of a mesh takes O(n).
+/// The time of [`intersecting_pairs`](super::intersecting_pairs()), and O(k log k) for k pairs.
+/// Each side of each curve takes the time of [`Mesh::contains`](crate::Mesh::contains) for one
+/// point; if a mesh is open, each vertex at the curve does. A region with vertices inside takes
+/// linear time in their number. The first such query of a mesh takes O(n).
 #[must_use]
 pub fn contact_patches<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<PlacedMesh<'b>>) -> Vec<ContactPatch> {
-    regions_of([a.into(), b.into()]).into_iter().map(|region| region.patch).collect()
+    regions_of([a.into(), b.into()], Budget::unlimited()).into_iter().map(|region| region.patch).collect()
 }
 
 /// Returns the area and the normal of each region in which the surfaces of two meshes intersect, as
-/// [`ContactPatch`] has them.
-pub(crate) fn normals_of_regions(placed: [PlacedMesh<'_>; 2]) -> Vec<(f64, [f64; 3])> {
-    let pairs = intersecting_pairs(placed[0], placed[1]);
-    let area =
-        |found: Vec<PairCrossing>| area_and_normal(placed, &found, &Linked::new(placed, &found, Budget::unlimited()));
-    connected(crossings(placed, &pairs, Budget::unlimited())).into_iter().map(area).collect()
+/// [`ContactPatch`] has them. If the budget is spent, there may be none.
+pub(crate) fn normals_of_regions(placed: [PlacedMesh<'_>; 2], budget: &Budget<'_>) -> Vec<(f64, [f64; 3])> {
+    let pairs = Query::new().with_budget(budget).intersecting_pairs(placed[0], placed[1]);
+    let all = crossings(placed, &pairs, budget);
+    if budget.stopped().is_some() {
+        return Vec::new();
+    }
+    let area = |found: Vec<PairCrossing>| area_and_normal(placed, &found, &Linked::new(placed, &found, budget));
+    connected(all).into_iter().map(area).collect()
 }
 
 /// A region with its pairs and the pieces of its curves.
@@ -100,15 +103,19 @@ struct Region {
     linked: Linked,
 }
 
-/// Returns the regions in which two meshes intersect.
-fn regions_of(placed: [PlacedMesh<'_>; 2]) -> Vec<Region> {
-    let pairs = intersecting_pairs(placed[0], placed[1]);
+/// Returns the regions in which two meshes intersect. If the budget is spent, some are missing.
+fn regions_of(placed: [PlacedMesh<'_>; 2], budget: &Budget<'_>) -> Vec<Region> {
+    let pairs = Query::new().with_budget(budget).intersecting_pairs(placed[0], placed[1]);
     if pairs.is_empty() {
         return Vec::new();
     }
-    let all = crossings(placed, &pairs, Budget::unlimited());
+    let all = crossings(placed, &pairs, budget);
+    if budget.stopped().is_some() {
+        return Vec::new();
+    }
     let mut sides = [0, 1].map(|side| Interior::new(placed, &all, side));
-    connected(all).into_iter().map(|crossings| region(placed, &mut sides, crossings)).collect()
+    let regions = connected(all).into_iter().take_while(|_| !budget.is_spent());
+    regions.map(|crossings| region(placed, &mut sides, crossings, budget)).collect()
 }
 
 /// Groups pairs that are connected by shared faces.
@@ -143,8 +150,13 @@ fn root(roots: &mut [usize], mut number: usize) -> usize {
     number
 }
 
-fn region(placed: [PlacedMesh<'_>; 2], sides: &mut [Interior<'_>; 2], crossings: Vec<PairCrossing>) -> Region {
-    let linked = Linked::new(placed, &crossings, Budget::unlimited());
+fn region(
+    placed: [PlacedMesh<'_>; 2],
+    sides: &mut [Interior<'_>; 2],
+    crossings: Vec<PairCrossing>,
+    budget: &Budget<'_>,
+) -> Region {
+    let linked = Linked::new(placed, &crossings, budget);
     let curves = linked.curves();
     let (area, normal) = area_and_normal(placed, &crossings, &linked);
     let inside = [0, 1].map(|side| sides[side].of_region(crossings.iter().map(|found| found.pair[side])));

@@ -159,7 +159,7 @@ fn contacts_of_parts(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Bud
             surface.contacts_with_half_space(&plane, margin).into_iter().map(Contacts::swapped).collect()
         }
         (Form::Surface(surface_a), Form::Surface(surface_b)) => {
-            let found = of_surfaces(&surface_a, &surface_b, margin);
+            let found = of_surfaces(&surface_a, &surface_b, margin, budget);
             if found.is_empty() { of_contained(a, b, budget) } else { found }
         }
     }
@@ -175,10 +175,10 @@ fn of_contained(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -> Vec<Co
 
 /// Returns the contacts of two meshes: those of the regions in which their surfaces intersect.
 /// Without such a region it returns the nearest points if they are within the margin.
-fn of_surfaces(a: &Surface<'_>, b: &Surface<'_>, margin: f64) -> Vec<Contacts> {
+fn of_surfaces(a: &Surface<'_>, b: &Surface<'_>, margin: f64, budget: &Budget<'_>) -> Vec<Contacts> {
     let (a, b) = (surface_of(a), surface_of(b));
-    let found = contacts_of_patches(a, b);
-    if !found.is_empty() {
+    let found = contacts_of_patches(a, b, budget);
+    if !found.is_empty() || budget.stopped().is_some() {
         return found;
     }
     let distance = of_meshes::distance_without_cache(a, b);

@@ -3,6 +3,7 @@
 //! `search` starts from them. Tests: `tests/it/solids/depths.rs`.
 
 use super::table::surface_of;
+use crate::budget::Budget;
 use crate::convex::{Core, Surface, Swept, depth, to_unit_length};
 use crate::hull::Hull;
 use crate::math::Pose;
@@ -17,7 +18,7 @@ const MAX_REGIONS: usize = 3;
 const MAX_HULL_VERTICES: usize = 1024;
 
 /// Returns directions from center to center, out of half-spaces and hulls, and across regions.
-pub(super) fn directions(a: &PlacedShape, b: &PlacedShape) -> Vec<Vector> {
+pub(super) fn directions(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -> Vec<Vector> {
     let mut found = Vec::new();
     let center = |[min, max]: [Vector; 2]| -> Vector { std::array::from_fn(|k| 0.5 * min[k] + 0.5 * max[k]) };
     if let (Some(a), Some(b)) = (a.bounds(), b.bounds()) {
@@ -36,7 +37,7 @@ pub(super) fn directions(a: &PlacedShape, b: &PlacedShape) -> Vec<Vector> {
     }
     found.extend(out_of_hulls(a, b));
     if let Some([a, b]) = surfaces(a, b) {
-        let mut regions = normals_of_regions([surface_of(&a), surface_of(&b)]);
+        let mut regions = normals_of_regions([surface_of(&a), surface_of(&b)], budget);
         regions.sort_by(|x, y| y.0.total_cmp(&x.0));
         found.extend(regions.iter().take(MAX_REGIONS).map(|(_, normal)| normal));
     }

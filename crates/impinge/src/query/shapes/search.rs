@@ -74,7 +74,7 @@ fn depth_in_order(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -> Dept
     let mut axes: Vec<(f64, Vector)> = along_axes(a, b).filter_map(start).collect();
     axes.sort_by(|x, y| x.0.total_cmp(&y.0));
     axes.truncate(MAX_AXIS_STARTS);
-    let mut starts: Vec<(f64, Vector)> = directions(a, b).into_iter().filter_map(start).chain(axes).collect();
+    let mut starts: Vec<(f64, Vector)> = directions(a, b, budget).into_iter().filter_map(start).chain(axes).collect();
     starts.dedup_by(|next, start| dot(&next.1, &start.1) > MIN_SAME_DIRECTION_COSINE);
     let mut least = f64::INFINITY;
     let ways = starts.iter().filter_map(|(length, direction)| {
