@@ -250,8 +250,9 @@ def time_of_impact(
     """
     least = real(clearance, "clearance", minimum=0)
     moving = (a, b, motion_a, motion_b, solid, progress)
-    lower, upper, *place = _impinge.time_of_impact(moving, least, flag(ignore_touch, "ignore_touch"))
-    return Impact(scalar(lower < np.inf), scalar(lower), scalar(upper), *place)
+    found = _impinge.time_of_impact(moving, least, flag(ignore_touch, "ignore_touch"))
+    lower, upper, point, normal, parts, faces = found
+    return Impact(scalar(lower < np.inf), scalar(lower), scalar(upper), point, normal, parts, faces)
 
 
 def _pose(pose: ArrayLike | None, name: str) -> NDArray[np.float64]:

@@ -63,7 +63,7 @@ def test_wrong_arguments_exit_with_2(command):
 def test_no_arguments_exit_with_2_and_the_help(command):
     done = run(command)
     assert (done.returncode, done.stdout) == (2, "")
-    assert "Usage: impinge <COMMAND>" in done.stderr
+    assert "Usage: impinge [OPTIONS] <COMMAND>" in done.stderr
     assert "\nExamples:\n  impinge check " in done.stderr
 
 
