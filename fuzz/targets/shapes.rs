@@ -41,7 +41,9 @@ fuzz_target!(|question: Question| {
     assert_eq!(distance.lower > 0.0, proximity == Proximity::Apart, "{distance:?}");
     assert!(distance.upper > 0.0 || proximity == Proximity::Intersects, "{distance:?}");
     assert!(query::within(&a, &b, distance.upper), "{distance:?}");
-    assert!(meets || !query::within(&a, &b, distance.lower.next_down()), "{distance:?}");
+    // Just below the lower bound rounding may leave it undecided.
+    let below = query::nearness(&a, &b, distance.lower.next_down());
+    assert!(meets || below != Proximity::Intersects, "{distance:?}");
 
     let depth = query::penetration(&a, &b);
     assert_eq!(depth.is_some(), meets, "{depth:?}");
