@@ -8,6 +8,7 @@ use std::sync::{Arc, LazyLock};
 use impinge::storage::AlignedBytes;
 use impinge::{Mesh, Positions, query};
 use impinge_files::{Baked, Provenance, write_baked};
+use impinge_testkit::correct_checksums;
 use impinge_testkit::generate::solids::icosphere;
 use libfuzzer_sys::fuzz_target;
 
@@ -29,28 +30,6 @@ static WHOLE: LazyLock<Vec<u8>> = LazyLock::new(|| {
 /// Number of bytes per change: three for the place and four to write there.
 const CHANGE: usize = 7;
 
-/// Number of bytes of the header without its table of sections. The last four are its checksum.
-const FIXED: usize = 64;
-/// Number of bytes of an entry of the table: section, checksum, offset and length.
-const ENTRY: usize = 24;
-
-/// Makes all checksums right, so that changes reach the validation of the arrays.
-fn correct_checksums(bytes: &mut [u8]) {
-    let long = |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("8 bytes")) as usize;
-    let sections = 9;
-    for entry in (0..sections).map(|section| FIXED + ENTRY * section) {
-        let (start, len) = (long(bytes, entry + 8), long(bytes, entry + 16));
-        if let Some(content) = start.checked_add(len).and_then(|end| bytes.get(start..end)) {
-            let checksum = crc32fast::hash(content).to_le_bytes();
-            bytes[entry + 4..entry + 8].copy_from_slice(&checksum);
-        }
-    }
-    let mut head = crc32fast::Hasher::new();
-    head.update(&bytes[..FIXED - 4]);
-    head.update(&bytes[FIXED..FIXED + ENTRY * sections]);
-    bytes[FIXED - 4..FIXED].copy_from_slice(&head.finalize().to_le_bytes());
-}
-
 fuzz_target!(|changes: &[u8]| {
     let mut bytes = AlignedBytes::zeroed(WHOLE.len());
     bytes.as_mut().copy_from_slice(&WHOLE);
@@ -58,6 +37,7 @@ fuzz_target!(|changes: &[u8]| {
         let place = u32::from_le_bytes([change[0], change[1], change[2], 0]) as usize % (WHOLE.len() - 3);
         bytes.as_mut()[place..place + 4].copy_from_slice(&change[3..]);
     }
+    // So that the changes reach the validation of the arrays.
     correct_checksums(bytes.as_mut());
     let Ok(baked) = Baked::from_bytes(Arc::new(bytes)) else { return };
     // A trusted mesh is memory-safe, but its queries may panic or never end.

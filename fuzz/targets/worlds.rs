@@ -32,15 +32,7 @@ struct Story {
 
 impl<'a> Arbitrary<'a> for Story {
     fn arbitrary(bytes: &mut Unstructured<'a>) -> arbitrary::Result<Self> {
-        let broad_phase = *bytes.choose(&[
-            BroadPhase::Auto,
-            BroadPhase::Every,
-            BroadPhase::Tree,
-            BroadPhase::Columns,
-            BroadPhase::Grid,
-            BroadPhase::OneAxis,
-            BroadPhase::ThreeAxes,
-        ])?;
+        let broad_phase = *bytes.choose(&BroadPhase::ALL)?;
         let mut events = Vec::new();
         while !bytes.is_empty() && events.len() < 200 {
             events.push(match bytes.int_in_range(0..=9_u8)? {

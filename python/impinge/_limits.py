@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
 from impinge import _impinge
-from impinge._errors import InputError
+from impinge._scalars import real
 
 asked: ContextVar[_impinge.Limits | None] = ContextVar("impinge_limits", default=None)
 """Limits that `limit` sets; the extension reads it."""
@@ -18,10 +17,12 @@ asked: ContextVar[_impinge.Limits | None] = ContextVar("impinge_limits", default
 def limit(*, seconds: float | None = None, gigabytes: float | None = None) -> Iterator[None]:
     """Limit the time and the memory that calls within a ``with`` block use.
 
-    Once a limit is reached, a call ends and raises an error. With ``on_error="status"`` it returns
-    the rows that are complete, and marks the others with `Status.OUT_OF_BUDGET`. Such a row has the
-    safe answer that the function describes. The limits apply to the thread or task that enters the
-    block. A block inside another one cannot allow more than the outer block.
+    Once a limit is reached, a call ends and raises an error. A call about two things with
+    ``on_error="status"`` returns the rows that are complete, and marks the others with
+    `Status.OUT_OF_BUDGET`. Such a row has the safe answer that the function describes.
+
+    The limits apply to the thread or task that enters the block. A block inside another one cannot
+    allow more than the outer block.
 
     Parameters
     ----------
@@ -53,10 +54,9 @@ def limit(*, seconds: float | None = None, gigabytes: float | None = None) -> It
     ...         print("nine million pairs need 0.07 gigabytes")
     nine million pairs need 0.07 gigabytes
     """
-    for name, value in (("seconds", seconds), ("gigabytes", gigabytes)):
-        if value is not None and (math.isnan(value) or value < 0):
-            raise InputError(f"must not be negative or NaN, but is {value}", kind="negative", what=name)
-    token = asked.set(_impinge.Limits(seconds, gigabytes, asked.get()))
+    time = None if seconds is None else real(seconds, "seconds", minimum=0)
+    memory = None if gigabytes is None else real(gigabytes, "gigabytes", minimum=0)
+    token = asked.set(_impinge.Limits(time, memory, asked.get()))
     try:
         yield
     finally:

@@ -52,7 +52,7 @@ impl Limits {
         });
     }
 
-    /// Returns the failure for the limit that is reached, or `None` if there is none.
+    /// Returns the failure for the limit that is reached, or `None` if no limit is.
     fn failure(self, begun: Instant) -> Option<Failure> {
         if let Some(timeout) = self.timeout.filter(|&timeout| begun.elapsed().as_secs_f64() > timeout) {
             return Some(Failure::new("timeout", format!("no answer after {timeout} seconds")).at("--timeout"));

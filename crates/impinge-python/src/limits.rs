@@ -11,8 +11,8 @@ use pyo3::sync::PyOnceLock;
 /// Time after a deadline in which a job may still end by itself, with the rows that are answered.
 const GRACE: Duration = Duration::from_millis(100);
 
-/// Number of [`Limits`] objects that Python holds. While there is none, a call does not ask Python
-/// for its limits.
+/// Number of [`Limits`] objects that Python holds. If it is zero, a call does not ask Python for
+/// its limits.
 static HELD: AtomicUsize = AtomicUsize::new(0);
 
 /// A deadline and a number of bytes, either of which may be absent. `impinge.limit` makes one for
@@ -83,12 +83,16 @@ impl Allowed {
 
     /// Returns `wait`, or the time until [`is_late`](Self::is_late) if it is shorter.
     pub(crate) fn at_most(self, wait: Duration) -> Duration {
-        self.deadline.map_or(wait, |deadline| wait.min((deadline + GRACE).saturating_duration_since(Instant::now())))
+        self.latest_end().map_or(wait, |end| wait.min(end.saturating_duration_since(Instant::now())))
     }
 
     /// Reports whether the deadline has passed, and the time in which a job may end by itself.
     pub(crate) fn is_late(self) -> bool {
-        self.deadline.is_some_and(|deadline| Instant::now() >= deadline + GRACE)
+        self.latest_end().is_some_and(|end| Instant::now() >= end)
+    }
+
+    fn latest_end(self) -> Option<Instant> {
+        self.deadline?.checked_add(GRACE)
     }
 }
 

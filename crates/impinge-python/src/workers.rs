@@ -182,8 +182,9 @@ pub(crate) fn execute<T: Send + 'static>(
     if !call.is_brief {
         return on_pool(py, call, work);
     }
-    if !Allowed::asked(py)?.is_everything() {
-        return on_callers_thread(py, None, &work)?.map_err(limits::raised);
+    let allowed = Allowed::asked(py)?;
+    if !allowed.is_everything() {
+        return on_callers_thread(py, allowed, None, &work)?.map_err(limits::raised);
     }
     let done = py.detach(|| {
         work_alone();
@@ -203,7 +204,7 @@ pub(crate) fn execute_interruptibly<T: Send + 'static>(
 ) -> PyResult<(T, Option<Stopped>)> {
     if call.is_brief && call.rows <= MAX_ROWS_ON_CALLER {
         let patience = if call.rows == 1 && is_one_thread { None } else { Some(PATIENCE) };
-        match on_callers_thread(py, patience, &work)? {
+        match on_callers_thread(py, Allowed::asked(py)?, patience, &work)? {
             Err(Stopped::Canceled) => {}
             done => return done.map_err(limits::raised),
         }
@@ -226,10 +227,10 @@ pub(crate) fn pairs(
 /// canceled if it takes longer than `patience`.
 fn on_callers_thread<T: Send>(
     py: Python<'_>,
+    allowed: Allowed,
     patience: Option<Duration>,
     work: &(impl Fn(Execution<'_>) -> Result<T, Stopped> + Send + Sync),
 ) -> PyResult<Result<(T, Option<Stopped>), Stopped>> {
-    let allowed = Allowed::asked(py)?;
     let begun = Instant::now();
     let heard = AtomicU64::new(0);
     let raised = Mutex::new(None);

@@ -12,6 +12,8 @@
 #[cfg(feature = "oracles")]
 pub mod animation;
 #[cfg(feature = "oracles")]
+mod baked;
+#[cfg(feature = "oracles")]
 pub mod cases;
 #[cfg(feature = "oracles")]
 pub mod ccd;
@@ -26,6 +28,8 @@ mod read_error;
 mod scene;
 mod thorough;
 
+#[cfg(feature = "oracles")]
+pub use baked::correct_checksums;
 #[cfg(feature = "oracles")]
 pub use read_error::ReadError;
 pub use scene::{Affine, Mesh, Posed};

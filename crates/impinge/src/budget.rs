@@ -15,9 +15,9 @@ use std::time::{Duration, Instant};
 ///
 /// A query with a budget ends soon after one of the limits is reached. It then returns the safe
 /// answer: the things intersect, they are within any clearance, the lower bound of their distance
-/// is zero, the bounds of a depth are wider, and a list holds what was found so far, or nothing if the budget canceled the query. [`stopped`](Self::stopped) says whether this
-/// happened. Until then the budget changes no answer. All later queries with the same budget end at
-/// once.
+/// is zero, and the bounds of a depth are wider. A list holds what was found so far, or nothing if
+/// the budget canceled the query. [`stopped`](Self::stopped) says whether a limit was reached. Until
+/// then the budget changes no answer. All later queries with the same budget end at once.
 ///
 /// Several threads may share a budget. To check it costs a few nanoseconds for every 100
 /// microseconds of work.
@@ -75,14 +75,7 @@ impl Budget<'static> {
     /// Returns the budget of queries that have none. It has no limit.
     #[must_use]
     pub fn unlimited() -> &'static Self {
-        static UNLIMITED: Budget<'static> = Budget {
-            deadline: None,
-            cancel: None,
-            steps: None,
-            bytes: None,
-            is_limited: false,
-            reached: AtomicU8::new(NOT_REACHED),
-        };
+        static UNLIMITED: Budget<'static> = Budget { is_limited: false, ..Budget::new() };
         &UNLIMITED
     }
 }
@@ -90,7 +83,7 @@ impl Budget<'static> {
 impl<'b> Budget<'b> {
     /// Returns a budget that is limited only by the memory of the system.
     #[must_use]
-    pub fn new() -> Self {
+    pub const fn new() -> Self {
         Self {
             deadline: None,
             cancel: None,
@@ -192,13 +185,8 @@ impl<'b> Budget<'b> {
             return Ok(());
         }
         let grown = list.len().saturating_add(additional).max(list.capacity().saturating_mul(2));
-        let bytes = (grown - list.capacity()).saturating_mul(size_of::<T>()) as u64;
-        let is_allowed = self.bytes.as_ref().is_none_or(|left| take(left, bytes).is_ok());
-        if is_allowed && list.try_reserve_exact(grown - list.len()).is_ok() {
-            return Ok(());
-        }
-        self.reach(Stopped::Memory);
-        Err(Stopped::Memory)
+        let (added, wanted) = (grown - list.capacity(), grown - list.len());
+        self.allocate(added.saturating_mul(size_of::<T>()), || list.try_reserve_exact(wanted))
     }
 
     /// Makes room for `additional` more entries in a map, as [`reserve`](Self::reserve) does in a
@@ -209,13 +197,18 @@ impl<'b> Budget<'b> {
             return true;
         }
         let added = additional.max(map.len());
-        let bytes = added.saturating_mul(size_of::<(K, V)>()) as u64;
-        let is_allowed = self.bytes.as_ref().is_none_or(|left| take(left, bytes).is_ok());
-        if is_allowed && map.try_reserve(added).is_ok() {
-            return true;
+        self.allocate(added.saturating_mul(size_of::<(K, V)>()), || map.try_reserve(added)).is_ok()
+    }
+
+    /// Takes bytes from this budget and allocates them. Returns an error, and records that memory
+    /// ran out, if either fails.
+    fn allocate(&self, bytes: usize, allocate: impl FnOnce() -> Result<(), TryReserveError>) -> Result<(), Stopped> {
+        let is_allowed = self.bytes.as_ref().is_none_or(|left| take(left, bytes as u64).is_ok());
+        if is_allowed && allocate().is_ok() {
+            return Ok(());
         }
         self.reach(Stopped::Memory);
-        false
+        Err(Stopped::Memory)
     }
 
     /// Records that a limit is reached, unless another one was reached before.

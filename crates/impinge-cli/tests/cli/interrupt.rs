@@ -20,13 +20,9 @@ fn interrupted(arguments: &[&str]) -> Run {
     held_open.write_all(&[b'\n'; 1 << 20]).unwrap();
     let kill = format!("kill -INT {}", child.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
+    let run = child.wait_with_output().unwrap().into();
     drop(held_open);
-    Run {
-        code: output.status.code().unwrap(),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
-    }
+    run
 }
 
 #[test]

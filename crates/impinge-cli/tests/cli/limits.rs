@@ -14,13 +14,9 @@ fn limited(arguments: &[&str]) -> Run {
     let mut held_open = child.stdin.take().unwrap();
     // The command may end before it reads all of this.
     let _ = held_open.write_all(&[b'\n'; 1 << 16]);
-    let output = child.wait_with_output().unwrap();
+    let run = child.wait_with_output().unwrap().into();
     drop(held_open);
-    Run {
-        code: output.status.code().unwrap(),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
-    }
+    run
 }
 
 #[test]

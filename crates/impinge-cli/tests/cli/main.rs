@@ -19,7 +19,7 @@ mod world;
 use std::ffi::OsStr;
 use std::fs;
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
@@ -66,8 +66,13 @@ impl Folder {
 
     /// Runs the command with arguments separated by spaces.
     fn run(&self, arguments: &str) -> Run {
-        let output = self.command(arguments.split_whitespace()).output().unwrap();
-        Run {
+        self.command(arguments.split_whitespace()).output().unwrap().into()
+    }
+}
+
+impl From<Output> for Run {
+    fn from(output: Output) -> Self {
+        Self {
             code: output.status.code().unwrap(),
             stdout: String::from_utf8(output.stdout).unwrap(),
             stderr: String::from_utf8(output.stderr).unwrap(),

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use impinge_files::{Baked, Format, parse_by_content, parse_character, parse_plan, parse_rig};
+use impinge_testkit::correct_checksums;
 
 use super::{MEMORY, PER_BYTE, PER_FILE, Random, check, glb_of, mutate, package};
 
@@ -234,23 +235,4 @@ fn mutants_of_baked(random: &mut Random) {
         });
     }
     costs.check("baked");
-}
-
-/// Computes all checksums of a baked file again: those of its nine sections and of its header.
-fn correct_checksums(bytes: &mut [u8]) {
-    const FIXED: usize = 64;
-    const ENTRY: usize = 24;
-    const SECTIONS: usize = 9;
-    let long = |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap()) as usize;
-    for entry in (0..SECTIONS).map(|section| FIXED + ENTRY * section) {
-        let (start, len) = (long(bytes, entry + 8), long(bytes, entry + 16));
-        if let Some(content) = start.checked_add(len).and_then(|end| bytes.get(start..end)) {
-            let checksum = crc32fast::hash(content).to_le_bytes();
-            bytes[entry + 4..entry + 8].copy_from_slice(&checksum);
-        }
-    }
-    let mut head = crc32fast::Hasher::new();
-    head.update(&bytes[..FIXED - 4]);
-    head.update(&bytes[FIXED..FIXED + ENTRY * SECTIONS]);
-    bytes[FIXED - 4..FIXED].copy_from_slice(&head.finalize().to_le_bytes());
 }

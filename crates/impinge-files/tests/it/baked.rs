@@ -10,6 +10,7 @@ use impinge::{
     volume::{BoundingVolume, Proxies},
 };
 use impinge_files::{Baked, Format, LoadErrorKind, Provenance, Unit, write_baked};
+use impinge_testkit::correct_checksums;
 use tempfile::TempDir;
 
 /// A small pseudorandom generator, the same in every run.
@@ -228,22 +229,6 @@ fn files_that_are_not_baked_are_errors() {
     assert!(write_baked(&mesh(0.1), &incomplete, None, &mut Vec::new()).is_err());
 }
 
-/// Corrects the checksums of changed bytes, as an attacker would.
-fn with_right_checksums(bytes: &mut [u8]) {
-    let number = |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight")) as usize;
-    for entry in (64..HEADER).step_by(24) {
-        let (start, length) = (number(bytes, entry + 8), number(bytes, entry + 16));
-        if let Some(section) = bytes.get(start..start.saturating_add(length)) {
-            let checksum = crc32fast::hash(section).to_le_bytes();
-            bytes[entry + 4..entry + 8].copy_from_slice(&checksum);
-        }
-    }
-    let mut hasher = crc32fast::Hasher::new();
-    hasher.update(&bytes[..60]);
-    hasher.update(&bytes[64..HEADER]);
-    bytes[60..64].copy_from_slice(&hasher.finalize().to_le_bytes());
-}
-
 #[test]
 fn thousands_of_corrupted_copies_are_rejected_or_harmless() {
     let file = File::new();
@@ -282,7 +267,7 @@ fn thousands_of_corrupted_copies_are_rejected_or_harmless() {
             }
         }
         if copy % 3 > 0 {
-            with_right_checksums(&mut bytes);
+            correct_checksums(&mut bytes);
         }
         let path = file.write(&bytes);
         // The triangles alone are valid, if they can be read.

@@ -44,8 +44,8 @@ impl Changes {
     /// Checks that the lists are complete. The boxes of a step have moved in any case.
     ///
     /// # Errors
-    /// Returns [`Memory`](Stopped::Memory) if there was not enough memory for the
-    /// pairs. Both lists are then empty.
+    /// Returns [`Memory`](Stopped::Memory) if there was not enough memory for the pairs. Both lists
+    /// are then empty.
     pub fn check_complete(&self) -> Result<(), Stopped> {
         self.failed.clone().map_or(Ok(()), |error| Err(error.into()))
     }

@@ -39,9 +39,8 @@ const MIN_SHARED_TASKS: usize = 256;
 const FIRST_HIT_STACK_CAPACITY: usize = 128;
 
 /// Returns any two faces that intersect, of the first and of the second mesh, or `None` if the
-/// surfaces are disjoint. Which pair it is may differ between vector units. If the query is
-/// stopped by its budget, the pair may not
-/// intersect.
+/// surfaces are disjoint. Which pair it is may differ between vector units. If the budget
+/// ends the query, the pair may not intersect.
 pub(crate) fn any_hit(a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Option<[u32; 2]> {
     search(a, b, Wanted { limit: 1, deciding: Deciding::Last, ..Wanted::ALL }, options).first().copied()
 }
@@ -58,8 +57,7 @@ pub(crate) fn faces_intersect(a: PlacedMesh<'_>, b: PlacedMesh<'_>, [face_a, fac
 }
 
 /// Returns the first two faces that intersect in the order of the descent, or `None` if the
-/// surfaces are disjoint. If the query is stopped by its budget, the pair may not
-/// intersect.
+/// surfaces are disjoint. If the budget ends the query, the pair may not intersect.
 pub(crate) fn first_hit(a: PlacedMesh<'_>, b: PlacedMesh<'_>, options: &Options<'_>) -> Option<[u32; 2]> {
     search(a, b, Wanted { limit: 1, deciding: Deciding::AtOnce, ..Wanted::ALL }, options).first().copied()
 }

@@ -21,8 +21,8 @@ impl Found {
     }
 
     #[inline]
-    pub(super) fn push(&mut self, pair: [u32; 2]) {
-        if self.reserve(1, Budget::unlimited()) {
+    pub(super) fn push(&mut self, pair: [u32; 2], budget: &Budget<'_>) {
+        if self.reserve(1, budget) {
             self.pairs.push(pair);
         }
     }

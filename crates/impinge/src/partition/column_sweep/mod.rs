@@ -284,7 +284,7 @@ impl Bucket<'_> {
     /// Sweeps each copy of a coarser level that is near this column against the copies of this
     /// column.
     fn find_coarser(&self, coarser: &[Coarse], found: &mut Found) {
-        let &Self { frame, boxes, level, is_shared, .. } = self;
+        let &Self { frame, boxes, level, is_shared, budget, .. } = self;
         let column = |record: &Record| own_column(frame, level, &frame.image(&boxes[record.key as usize]), record);
         let mut columns: Vec<[i32; 2]> = Vec::new();
         if is_shared {
@@ -321,9 +321,9 @@ impl Bucket<'_> {
                                 return;
                             }
                             if !is_shared {
-                                report_overlap(one, &record, boxes, found);
+                                report_overlap(one, &record, boxes, found, budget);
                             } else if column(one) == own && boxes_overlap(one, &record, boxes) {
-                                found.push(pair(one, &record));
+                                found.push(pair(one, &record), budget);
                             }
                         });
                     }));
@@ -336,10 +336,10 @@ impl Bucket<'_> {
 /// Reports a pair if its images overlap across the columns and the boxes overlap; compares the
 /// boxes only if the images leave it uncertain.
 #[inline(always)]
-fn report_overlap(one: &Record, other: &Record, boxes: &[MinMax], found: &mut Found) {
+fn report_overlap(one: &Record, other: &Record, boxes: &[MinMax], found: &mut Found, budget: &Budget<'_>) {
     let verdict = one.verdict(other);
     if !verdict.is_apart && (verdict.is_certain || boxes_overlap(one, other, boxes)) {
-        found.push(pair(one, other));
+        found.push(pair(one, other), budget);
     }
 }
 

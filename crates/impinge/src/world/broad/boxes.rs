@@ -57,6 +57,12 @@ pub enum BroadPhase {
     ThreeAxes,
 }
 
+impl BroadPhase {
+    /// All choices.
+    pub const ALL: [Self; 7] =
+        [Self::Auto, Self::Every, Self::Tree, Self::Columns, Self::Grid, Self::OneAxis, Self::ThreeAxes];
+}
+
 /// The boxes of some bodies, in the structure in use.
 #[derive(Clone, Debug)]
 pub(super) struct Boxes {

@@ -168,22 +168,12 @@ impl Broad {
 mod tests {
     use super::*;
 
-    const CHOICES: [BroadPhase; 7] = [
-        BroadPhase::Auto,
-        BroadPhase::Every,
-        BroadPhase::Tree,
-        BroadPhase::Columns,
-        BroadPhase::Grid,
-        BroadPhase::OneAxis,
-        BroadPhase::ThreeAxes,
-    ];
-
     /// 300 static and 3 moving boxes in one place. All static boxes together visit 900 boxes, not
     /// 90,000, and the pairs that a step reports are at most those with a moving box.
     #[test]
     fn pairs_of_two_guided_bodies_are_never_formed() {
         let place = MinMax::from_ordered([0.0; 3], [1.0; 3]);
-        for choice in CHOICES {
+        for choice in BroadPhase::ALL {
             let mut broad = Broad::new(choice);
             (0..300).for_each(|body| broad.insert(Kind::Static, body, &place));
             (300..303).for_each(|body| broad.insert(Kind::Moving, body, &place));

@@ -8,8 +8,6 @@ use impinge::shape::Shape;
 use impinge::world::{Body, BodyId, BroadPhase, Kind, NarrowPhase, Options, World};
 use impinge_testkit::generate::Rng;
 
-use super::BROAD_PHASES;
-
 /// Box as its corners.
 type Corners = [[f64; 3]; 2];
 
@@ -84,7 +82,7 @@ fn churned(broad_phase: BroadPhase, seed: u64, churn: &Churn) {
 
 #[test]
 fn boxes_of_like_size_are_paired_as_by_brute_force() {
-    for broad_phase in BROAD_PHASES {
+    for broad_phase in BroadPhase::ALL {
         let churn = Churn {
             steps: 2000,
             max_bodies: 120,
@@ -97,7 +95,7 @@ fn boxes_of_like_size_are_paired_as_by_brute_force() {
 
 #[test]
 fn boxes_on_a_grid_that_touch_are_paired_as_by_brute_force() {
-    for broad_phase in BROAD_PHASES {
+    for broad_phase in BroadPhase::ALL {
         let churn = Churn {
             steps: 1000,
             max_bodies: 60,
@@ -110,7 +108,7 @@ fn boxes_on_a_grid_that_touch_are_paired_as_by_brute_force() {
 
 #[test]
 fn boxes_of_any_size_are_paired_as_by_brute_force() {
-    for broad_phase in BROAD_PHASES {
+    for broad_phase in BroadPhase::ALL {
         let churn = Churn {
             steps: 1000,
             max_bodies: 60,
@@ -123,7 +121,7 @@ fn boxes_of_any_size_are_paired_as_by_brute_force() {
 
 #[test]
 fn boxes_that_coincide_are_paired_as_by_brute_force() {
-    for broad_phase in BROAD_PHASES {
+    for broad_phase in BroadPhase::ALL {
         let churn =
             Churn { steps: 100, max_bodies: 60, size: |_| 1.0, random_pose: |rng| rng.choose(&[0.0, 0.0, 0.0, 5.0]) };
         churned(broad_phase, 84, &churn);
@@ -132,7 +130,7 @@ fn boxes_that_coincide_are_paired_as_by_brute_force() {
 
 #[test]
 fn static_bodies_are_not_paired_with_each_other() {
-    for broad_phase in BROAD_PHASES {
+    for broad_phase in BroadPhase::ALL {
         let mut world = World::with_options(Options { broad_phase, narrow_phase: NarrowPhase::Boxes });
         let unit = Body::new(Shape::cuboid([1.0; 3]).unwrap());
         let kinds = [Kind::Static, Kind::Kinematic, Kind::Moving];

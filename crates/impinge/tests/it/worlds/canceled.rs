@@ -4,10 +4,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use impinge::budget::{Budget, Stopped};
 use impinge::shape::Shape;
-use impinge::world::{Body, BodyId, Kind, NarrowPhase, Options, RecordedBody, World, WorldError};
+use impinge::world::{Body, BodyId, BroadPhase, Kind, NarrowPhase, Options, RecordedBody, World, WorldError};
 use impinge_testkit::generate::Rng;
 
-use super::{BROAD_PHASES, pose};
+use super::pose;
 
 /// Returns everything that a step changes in a world. Shapes are left out, because they keep values
 /// that a query computed.
@@ -36,7 +36,7 @@ fn a_canceled_step_leaves_the_world_as_it_was() {
         .unwrap(),
     ];
     let (mut canceled, mut ended) = (0, 0);
-    for broad_phase in BROAD_PHASES {
+    for broad_phase in BroadPhase::ALL {
         for narrow_phase in [NarrowPhase::Boxes, NarrowPhase::Contacts] {
             let mut rng = Rng::new(902);
             let mut world = World::with_options(Options { broad_phase, narrow_phase });

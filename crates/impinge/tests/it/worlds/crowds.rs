@@ -2,10 +2,8 @@
 
 use impinge::Pose;
 use impinge::shape::Shape;
-use impinge::world::{Body, BodyId, Kind, NarrowPhase, Options, Traits, World};
+use impinge::world::{Body, BodyId, BroadPhase, Kind, NarrowPhase, Options, Traits, World};
 use impinge_testkit::generate::Rng;
-
-use super::BROAD_PHASES;
 
 const KINDS: [Kind; 4] = [Kind::Static, Kind::Kinematic, Kind::Moving, Kind::Moving];
 
@@ -32,7 +30,7 @@ fn brute_force(world: &World) -> Vec<[BodyId; 2]> {
 /// go. After each step all broad phases know the pairs of brute force.
 #[test]
 fn bodies_of_all_kinds_are_paired_as_by_brute_force() {
-    for broad_phase in BROAD_PHASES {
+    for broad_phase in BroadPhase::ALL {
         let mut rng = Rng::new(901);
         let mut world = World::with_options(Options { broad_phase, narrow_phase: NarrowPhase::Boxes });
         let cube = Shape::cuboid([0.5; 3]).unwrap();

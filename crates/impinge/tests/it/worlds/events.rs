@@ -3,11 +3,13 @@
 use std::collections::BTreeSet;
 
 use impinge::shape::Shape;
-use impinge::world::{Body, BodyId, Kind, Layers, NarrowPhase, Options, PairKey, Traits, World, WorldError};
+use impinge::world::{
+    Body, BodyId, BroadPhase, Kind, Layers, NarrowPhase, Options, PairKey, Traits, World, WorldError,
+};
 use impinge::{InputErrorKind, Mesh, Pose, Positions};
 use impinge_testkit::generate::Rng;
 
-use super::{BROAD_PHASES, pose};
+use super::pose;
 
 fn unit() -> Body {
     Body::new(Shape::cuboid([0.5; 3]).unwrap())
@@ -21,7 +23,7 @@ fn at(x: f64) -> Pose {
 /// are the current pairs.
 #[test]
 fn events_add_up_to_the_current_pairs() {
-    for broad_phase in BROAD_PHASES {
+    for broad_phase in BroadPhase::ALL {
         let mut rng = Rng::new(91);
         let mut world = World::with_options(Options { broad_phase, narrow_phase: NarrowPhase::Intersections });
         let shapes = [

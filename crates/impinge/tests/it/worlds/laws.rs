@@ -7,7 +7,7 @@ use impinge::{Mesh, Pose, Positions};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::solids::icosphere;
 
-use super::{BROAD_PHASES, pose};
+use super::pose;
 
 const BODIES: u64 = 24;
 
@@ -75,7 +75,7 @@ fn in_order() -> Vec<usize> {
 /// one with contacts, which take longer.
 fn ways() -> impl Iterator<Item = (Options, u64)> {
     let intersections = |broad_phase| (Options { broad_phase, narrow_phase: NarrowPhase::Intersections }, 5);
-    BROAD_PHASES.into_iter().map(intersections).chain([(Options::default(), 2)])
+    BroadPhase::ALL.into_iter().map(intersections).chain([(Options::default(), 2)])
 }
 
 #[test]

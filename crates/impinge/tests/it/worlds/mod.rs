@@ -10,19 +10,7 @@ mod record;
 mod shapes;
 
 use impinge::Pose;
-use impinge::world::BroadPhase;
 use impinge_testkit::generate::{Rng, poses};
-
-/// All broad phases.
-const BROAD_PHASES: [BroadPhase; 7] = [
-    BroadPhase::Auto,
-    BroadPhase::Every,
-    BroadPhase::Tree,
-    BroadPhase::Columns,
-    BroadPhase::Grid,
-    BroadPhase::OneAxis,
-    BroadPhase::ThreeAxes,
-];
 
 /// Returns a rotation and a translation within `reach`. One in four is on a grid, so that boxes
 /// touch.

@@ -6,13 +6,13 @@ use impinge::convex::Support;
 use impinge::hull::Hull;
 use impinge::partition::Ray;
 use impinge::shape::Shape;
-use impinge::world::{Body, BodyId, BodyRayHit, Options, World};
+use impinge::world::{Body, BodyId, BodyRayHit, BroadPhase, Options, World};
 use impinge::{Mesh, Pose, Positions};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::solids::icosphere;
 use impinge_testkit::rounds;
 
-use super::{BROAD_PHASES, pose};
+use super::pose;
 
 /// Returns the parameter at which a ray first hits a sphere, by the quadratic formula.
 fn on_sphere(ray: &Ray, center: [f64; 3], radius: f64) -> Option<f64> {
@@ -36,7 +36,7 @@ fn random_ray(rng: &mut Rng) -> Ray {
 
 #[test]
 fn rays_hit_spheres_as_in_closed_form() {
-    for broad_phase in BROAD_PHASES {
+    for broad_phase in BroadPhase::ALL {
         let mut rng = Rng::new(101);
         let mut world = World::with_options(Options { broad_phase, ..Options::default() });
         let balls: Vec<([f64; 3], f64)> =

@@ -4,10 +4,12 @@
 use impinge::Pose;
 use impinge::query::Proximity;
 use impinge::shape::Shape;
-use impinge::world::{Body, BodyId, Change, Kind, NarrowPhase, Options, Record, RecordError, Snapshot, Traits, World};
+use impinge::world::{
+    Body, BodyId, BroadPhase, Change, Kind, NarrowPhase, Options, Record, RecordError, Snapshot, Traits, World,
+};
 use impinge_testkit::generate::Rng;
 
-use super::{BROAD_PHASES, pose};
+use super::pose;
 
 /// World with random changes that no step has reported yet.
 struct ChangingWorld {
@@ -75,7 +77,7 @@ fn described_pairs(world: &World) -> String {
 #[test]
 fn a_world_of_a_record_continues_as_the_recorded_one() {
     let intersections = |broad_phase| Options { broad_phase, narrow_phase: NarrowPhase::Intersections };
-    let ways = BROAD_PHASES.map(intersections).into_iter().chain([Options::default()]);
+    let ways = BroadPhase::ALL.map(intersections).into_iter().chain([Options::default()]);
     let (mut pending, mut departed, mut met) = (0, 0, 0);
     for (seed, options) in ways.enumerate() {
         let mut changing = ChangingWorld::new(options, seed as u64);

@@ -12,7 +12,7 @@ use impinge::{Mesh, Pose, Positions};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::solids::icosphere;
 
-use super::{BROAD_PHASES, pose};
+use super::pose;
 
 fn every_shape() -> Vec<Shape> {
     let mut rng = Rng::new(61);
@@ -176,7 +176,7 @@ fn pairs_of_meshes_agree_with_single_queries() {
 
 #[test]
 fn world_queries_agree_with_queries_of_each_body() {
-    for broad_phase in BROAD_PHASES {
+    for broad_phase in BroadPhase::ALL {
         let mut rng = Rng::new(64);
         let mut world = World::with_options(Options { broad_phase, ..Options::default() });
         let shapes: Vec<Shape> = every_shape().into_iter().cycle().take(55).collect();
