@@ -116,9 +116,15 @@ fn overlapping(pair: &Pair<'_>, shapes: [&Faceted<'_>; 2], normal: [f64; 3], mar
 /// Returns the features that face each other along a direction, and the places where the facing
 /// parts lie over each other. Of several facing facets the first names the feature.
 fn facing_overlap(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3]) -> ([Feature; 2], Vec<Over>) {
-    let facing_a = all_facing(&pair.a, a, *normal);
-    let facing_b = all_facing(&pair.b, b, normal.map(|x| -x));
     let near = shadow_tolerance(pair, smaller_size(pair, [a, b]));
+    let opposite = normal.map(|x| -x);
+    if !a.has_all_facets && !b.has_all_facets {
+        // One part of each faces the other, as for almost all shapes, so no lists are needed.
+        let (part_a, part_b) = (facing(&pair.a, a.facets, *normal), facing(&pair.b, b.facets, opposite));
+        return ([part_a.feature(), part_b.feature()], overlap(&part_a, &part_b, normal, near));
+    }
+    let facing_a = all_facing(&pair.a, a, *normal);
+    let facing_b = all_facing(&pair.b, b, opposite);
     let mut over = Vec::new();
     for part_a in &facing_a {
         for part_b in &facing_b {

@@ -64,13 +64,11 @@ fn beyond_corner(one_place: &Placement, a: &Corners, b: &Corners, v: [f64; 3]) -
 /// Reports whether the corners of `other` except `v` are certainly all on one side of the plane of
 /// `triangle`.
 fn stays_to_one_side(triangle: &Corners, other: &Corners, v: &[f64; 3]) -> bool {
+    let Some(apart) = other.iter().find(|corner| *corner != v) else { return true };
     let (u, w) = (sub(&triangle[1], &triangle[0]), sub(&triangle[2], &triangle[0]));
-    let sides = signs(&u, &w, &other.map(|corner| sub(&corner, v)));
-    let mut one_side = None;
-    (0..3).filter(|&i| other[i] != *v).all(|i| match sides[i] {
-        None | Some(Zero) => false,
-        side => *one_side.get_or_insert(side) == side,
-    })
+    // The plane holds `v`, so another corner takes its place: no filter proves a zero as quickly.
+    let sides = signs(&u, &w, &other.map(|corner| sub(if corner == *v { apart } else { &corner }, v)));
+    sides[0].is_some_and(|side| side != Zero) && sides.iter().all(|side| *side == sides[0])
 }
 
 /// Reports whether two triangles that share only these two positions share more than the edge

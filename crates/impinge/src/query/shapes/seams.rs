@@ -26,6 +26,9 @@ pub(super) fn across_seams(
     found: Contacts,
     margin: f64,
 ) -> Contacts {
+    if a.parts().len() == 1 && b.parts().len() == 1 {
+        return found;
+    }
     let (part_a, part_b) = (&a.parts()[number_a as usize], &b.parts()[number_b as usize]);
     let (Form::Convex(swept_a), Form::Convex(swept_b)) = (part_a.form(), part_b.form()) else { return found };
     let step = BESIDE * size(part_a).min(size(part_b));
