@@ -83,3 +83,51 @@ fn merge(merged: &mut Vec<Contacts>, contacts: Contacts) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::convex::facets::Facets;
+    use crate::convex::manifold::{Faceted, contacts_along};
+    use crate::convex::posed::Core;
+
+    const UP: [f64; 3] = [0.0, 0.0, 1.0];
+    const SIDEWAYS: [f64; 3] = [1.0, 0.0, 0.0];
+
+    fn corners(low: [f64; 3], high: [f64; 3]) -> Vec<[f64; 3]> {
+        let corner = |at: usize| std::array::from_fn(|k| if at >> k & 1 == 0 { low[k] } else { high[k] });
+        (0..8).map(corner).collect()
+    }
+
+    /// Returns the normals of the contacts of a crate that remain, of contacts with boxes along
+    /// given directions.
+    fn remaining(boxes: &[[[f64; 3]; 2]], crate_box: [[f64; 3]; 2], along: &[(usize, [f64; 3])]) -> Vec<[f64; 3]> {
+        let points: Vec<_> = boxes.iter().chain([&crate_box]).map(|[low, high]| corners(*low, *high)).collect();
+        let facets: Vec<_> = points.iter().map(|corners| Facets::of_points(corners)).collect();
+        let mut bodies = Vec::new();
+        for (corners, facets) in points.iter().zip(&facets) {
+            let swept = Swept { core: Core::Points(corners), pose: &Pose::IDENTITY, radius: [0.0; 2] };
+            bodies.push(Body::Convex(Faceted { swept, facets: facets.as_ref(), has_all_facets: false }));
+        }
+        let moving = bodies.split_off(boxes.len());
+        let found = along.iter().map(|&(number, normal)| Found {
+            contacts: contacts_along(&bodies[number].faceted(), &moving[0].faceted(), normal, 0.0),
+            bodies: [number, 0],
+        });
+        unresolved(found.collect(), [&bodies, &moving], 1e-9).into_iter().map(|contacts| contacts.normal).collect()
+    }
+
+    #[test]
+    fn a_crate_on_a_platform_is_not_pushed_off_sideways() {
+        let platform = [[0.0, 0.0, -1.0], [2.0, 2.0, 0.0]];
+        let on_the_edge = [[1.75, 0.5, -0.01], [2.75, 1.5, 0.99]];
+        assert_eq!(remaining(&[platform], on_the_edge, &[(0, SIDEWAYS), (0, UP)]), [UP]);
+    }
+
+    #[test]
+    fn a_crate_in_a_corner_keeps_both_contacts() {
+        let (floor, wall) = ([[-1.0, -1.0, -1.0], [2.0, 2.0, 0.0]], [[-1.0, -1.0, 0.0], [0.0, 2.0, 2.0]]);
+        let in_the_corner = [[-0.02, 0.0, -0.01], [0.98, 1.0, 0.99]];
+        assert_eq!(remaining(&[floor, wall], in_the_corner, &[(0, UP), (1, SIDEWAYS)]), [UP, SIDEWAYS]);
+    }
+}
