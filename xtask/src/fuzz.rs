@@ -96,13 +96,14 @@ fn fuzz(root: &Path, verb: &str, target: &str) -> Command {
 
 /// Runs a built target for some seconds and counts its executions.
 fn run_target(root: &Path, target: &str, seconds: u64, commit: &str) -> Result<Run> {
-    let [corpus, seeds] = ["corpus", "seeds"].map(|folder| format!("fuzz/{folder}/{target}"));
-    fs::create_dir_all(root.join(&corpus)).context("making a folder for the corpus")?;
+    // A target may work in another folder.
+    let [corpus, seeds] = ["corpus", "seeds"].map(|folder| root.join("fuzz").join(folder).join(target));
+    fs::create_dir_all(&corpus).context("making a folder for the corpus")?;
     let mut command = fuzz(root, "run", target);
-    command.args([&corpus, &seeds]).arg("--").args(LIMITS).arg(format!("-max_total_time={seconds}"));
-    let dictionary = format!("fuzz/dictionaries/{target}.dict");
-    if root.join(&dictionary).exists() {
-        command.arg(format!("-dict={dictionary}"));
+    command.args([corpus, seeds]).arg("--").args(LIMITS).arg(format!("-max_total_time={seconds}"));
+    let dictionary = root.join(format!("fuzz/dictionaries/{target}.dict"));
+    if dictionary.exists() {
+        command.arg(format!("-dict={}", dictionary.display()));
     }
     if CHATTY.contains(&target) {
         command.arg("-close_fd_mask=3");

@@ -21,7 +21,7 @@ pub(crate) enum Encoding {
     UnicodeOrLatin1,
 }
 
-/// Returns the text without its byte order mark. UTF-16 is recognized by its mark, or by a first
+/// Returns the text without its byte order marks. UTF-16 is recognized by its mark, or by a first
 /// `<` of two bytes.
 pub(crate) fn decode(bytes: Vec<u8>, encoding: Encoding) -> Result<String, LoadError> {
     let word: Option<fn([u8; 2]) -> u16> = match bytes.as_slice() {
@@ -39,9 +39,10 @@ pub(crate) fn decode(bytes: Vec<u8>, encoding: Encoding) -> Result<String, LoadE
         return text.map_err(|e| LoadError::syntax("UTF-16 text", e.to_string().as_bytes()));
     }
     match String::from_utf8(bytes) {
-        Ok(text) => Ok(match text.strip_prefix('\u{FEFF}') {
-            Some(rest) => rest.to_owned(),
-            None => text,
+        // A mark that is left would be skipped by the XML reader, whose offsets do not count it.
+        Ok(text) => Ok(match text.trim_start_matches('\u{FEFF}') {
+            rest if rest.len() < text.len() => rest.to_owned(),
+            _ => text,
         }),
         Err(e) if encoding == Encoding::UnicodeOrLatin1 => {
             Ok(without_bom(e.as_bytes()).iter().map(|&byte| char::from(byte)).collect())
@@ -112,7 +113,7 @@ mod tests {
     #[test]
     fn every_encoding_is_read() {
         let text = "<a b=\"caf\u{E9} \u{1F600}\"/>";
-        for mark in ["", "\u{FEFF}"] {
+        for mark in ["", "\u{FEFF}", "\u{FEFF}\u{FEFF}"] {
             let marked = format!("{mark}{text}");
             for encoding in [Encoding::Unicode, Encoding::UnicodeOrLatin1] {
                 assert_eq!(decode(marked.clone().into_bytes(), encoding).unwrap(), text);

@@ -290,3 +290,11 @@ fn hostile_nesting_and_repetition_are_errors() {
     let text = document(&("<extra>".repeat(300_000) + &"</extra>".repeat(300_000)));
     assert!(parse(&text).faces.is_empty());
 }
+
+#[test]
+fn byte_order_marks_do_not_shift_the_text() {
+    let text = document("<extra/>");
+    for marks in 0..3 {
+        assert!(parse(&("\u{FEFF}".repeat(marks) + &text)).faces.is_empty());
+    }
+}
