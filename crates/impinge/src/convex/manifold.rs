@@ -70,7 +70,7 @@ impl Contacts {
     }
 
     /// Returns the greatest upper bound of a depth.
-    pub(super) fn deepest(&self) -> f64 {
+    pub(crate) fn deepest(&self) -> f64 {
         self.contacts.iter().map(|contact| contact.upper).fold(f64::NEG_INFINITY, f64::max)
     }
 

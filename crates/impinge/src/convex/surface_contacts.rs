@@ -84,6 +84,23 @@ impl Surface<'_> {
         best
     }
 
+    /// Returns the faces that are within `margin` of the box of another mesh, and maybe others that
+    /// are near.
+    pub(crate) fn faces_near_box_of(&self, other: &Self, margin: f64) -> Vec<u32> {
+        let Some(corners) = other.mesh.local_bounds().map(corners_of_box) else { return Vec::new() };
+        self.faces_near(&Swept { core: Core::Points(&corners), pose: other.pose, radius: [0.0; 2] }, margin)
+    }
+
+    /// Returns the faces that are within `margin` of a face of another mesh, and maybe others that
+    /// are near.
+    pub(crate) fn faces_near_face_of(&self, other: &Self, face: u32, margin: f64) -> Vec<u32> {
+        self.faces_near(&other.face(&other.mesh.corners(face)), margin)
+    }
+
+    fn faces_near(&self, shape: &Swept<'_>, margin: f64) -> Vec<u32> {
+        self.touched(shape, margin).into_iter().map(|touched| touched.face).collect()
+    }
+
     /// Returns all faces that are within `margin` of a convex set, and maybe others that are near,
     /// the nearest to the set's center first. Each is oriented as its corners are ordered if the
     /// mesh is solid, or else so that the center is outside. That is right for the nearest face,

@@ -29,7 +29,7 @@ mod solid;
 mod storage;
 mod triangle_mesh;
 
-pub(crate) use derived::topology::{Components, DisjointSets};
+pub(crate) use derived::topology::{Across, Components, DisjointSets};
 pub(crate) use distance::{WarmStart, nearest, within};
 pub use lifecycle::aging::Aging;
 pub use lifecycle::parts::{Flaw, Parts};

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use super::derived::cap::Cap;
 use super::derived::copies::Copies;
 use super::derived::moments::FarField;
-use super::derived::topology::{Components, Topology};
+use super::derived::topology::{Across, Components, Topology};
 use super::storage::frame::PackedFrame;
 use super::storage::leaf::Leaf;
 use super::storage::packet::{PacketCache, Packets};
@@ -119,6 +119,14 @@ impl Mesh {
     /// O(n) at the first call, then constant.
     pub(crate) fn faces_at(&self, vertex: u32) -> &[u32] {
         self.topology().faces_at(self.faces(), vertex)
+    }
+
+    /// Returns what lies across the edges of a face. Edge k runs from corner k to the next.
+    ///
+    /// # Complexity
+    /// O(n log n) at the first call, then constant.
+    pub(crate) fn across(&self, face: u32) -> [Across; 3] {
+        self.topology().across(self.faces(), face)
     }
 
     /// Returns access to the packets of the leaves.

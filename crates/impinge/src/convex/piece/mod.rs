@@ -18,7 +18,7 @@ mod polytope;
 mod resolve;
 
 use crate::math::vec3::{cross, dot, sub};
-use crate::mesh::{Mesh, Positions};
+use crate::mesh::{Across, Mesh, Positions};
 
 use super::posed::to_unit_length;
 pub(crate) use body::{Body, contacts_of_bodies};
@@ -62,7 +62,7 @@ enum Beyond {
     Nothing,
     /// One face.
     Face(OrientedFace),
-    /// Several faces, of which none continues the surface, or a face without area.
+    /// Several faces, of which none continues the surface.
     Unclear,
 }
 
@@ -109,9 +109,9 @@ impl<'m> Piece<'m> {
         if known.is_none() {
             new.push(own);
         }
-        for edge in 0..3 {
+        for (edge, beyond) in beyond(self.mesh, face).into_iter().enumerate() {
             let ends = [corners[edge], corners[(edge + 1) % 3]];
-            let bound = match beyond(self.mesh, face, edge) {
+            let bound = match beyond {
                 Beyond::Unclear => continue,
                 Beyond::Nothing => {
                     let sign = if face.is_flipped { -1.0 } else { 1.0 };
@@ -157,29 +157,20 @@ fn is_same_direction(one: &Plane, other: &Plane) -> bool {
     dot(&one.normal, &other.normal) > 1.0 - 1.0 / (1 << 20) as f64
 }
 
-/// Returns the surface beyond an edge of a face. Edge k runs from corner k to the next.
-fn beyond(mesh: &Mesh, of: OrientedFace, edge: usize) -> Beyond {
+/// Returns the surface beyond each edge of a face. Edge k runs from corner k to the next.
+fn beyond(mesh: &Mesh, of: OrientedFace) -> [Beyond; 3] {
     let first_at = &mesh.topology().first_at;
     let corners = |face: u32| mesh.faces()[face as usize].map(|vertex| first_at[vertex as usize]);
-    let own = corners(of.face);
-    let (from, to) = (own[edge], own[(edge + 1) % 3]);
-    let mut found = Beyond::Nothing;
-    for &other in mesh.faces_at(from) {
-        if other == of.face {
-            continue;
+    let (own, across) = (corners(of.face), mesh.across(of.face));
+    [0, 1, 2].map(|edge| match across[edge] {
+        Across::Nothing => Beyond::Nothing,
+        Across::Several => Beyond::Unclear,
+        Across::Face(other) => {
+            let (from, to, there) = (own[edge], own[(edge + 1) % 3], corners(other));
+            let runs_along = (0..3).any(|at| there[at] == from && there[(at + 1) % 3] == to);
+            Beyond::Face(OrientedFace { face: other, is_flipped: of.is_flipped != runs_along })
         }
-        let there = corners(other);
-        let Some(at) = there.iter().position(|&corner| corner == from) else { continue };
-        let runs_along = there[(at + 1) % 3] == to;
-        if !runs_along && there[(at + 2) % 3] != to {
-            continue;
-        }
-        if matches!(found, Beyond::Face(_)) {
-            return Beyond::Unclear;
-        }
-        found = Beyond::Face(OrientedFace { face: other, is_flipped: of.is_flipped != runs_along });
-    }
-    found
+    })
 }
 
 /// One bit for each face of a mesh.
@@ -217,8 +208,8 @@ pub(crate) fn pieces<'m>(mesh: &'m Mesh, seeds: &[OrientedFace]) -> Vec<Piece<'m
             continue;
         }
         let mut seed = given;
-        for edge in 0..3 {
-            if let Beyond::Face(other) = beyond(mesh, given, edge)
+        for beyond in beyond(mesh, given) {
+            if let Beyond::Face(other) = beyond
                 && taken.has(other.face)
             {
                 seed.is_flipped = given.is_flipped != (other.is_flipped != flipped.has(other.face));
@@ -236,8 +227,8 @@ pub(crate) fn pieces<'m>(mesh: &'m Mesh, seeds: &[OrientedFace]) -> Vec<Piece<'m
             if face.is_flipped {
                 flipped.set(face.face);
             }
-            for edge in 0..3 {
-                if let Beyond::Face(other) = beyond(mesh, face, edge)
+            for beyond in beyond(mesh, face) {
+                if let Beyond::Face(other) = beyond
                     && listed.has(other.face)
                     && !taken.has(other.face)
                     && piece.add(other)

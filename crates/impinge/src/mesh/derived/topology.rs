@@ -20,6 +20,19 @@ pub(crate) struct Topology {
     pub(crate) components: Components,
     /// The faces at each vertex, computed when a query first needs them.
     faces_at: OnceLock<FacesAt>,
+    /// The other face at each edge of each face, computed when a query first needs them.
+    across: OnceLock<Vec<[Across; 3]>>,
+}
+
+/// What lies across an edge of a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Across {
+    /// No face: the edge is on the border of the surface.
+    Nothing,
+    /// One face.
+    Face(u32),
+    /// Several faces.
+    Several,
 }
 
 /// A partition of faces into parts, which are numbered in the order of their first faces.
@@ -65,7 +78,7 @@ impl Topology {
         }
         let roots = faces.iter().map(|corners| Some(sets.root(first_at[corners[0] as usize])));
         let components = Components::numbered(first_at.len(), roots);
-        Self { first_at, border, components, faces_at: OnceLock::new() }
+        Self { first_at, border, components, faces_at: OnceLock::new(), across: OnceLock::new() }
     }
 
     /// Returns the faces at a vertex in ascending order. The vertex must be the first one at its
@@ -78,6 +91,15 @@ impl Topology {
         let FacesAt { ends, faces } = self.faces_at.get_or_init(|| FacesAt::of(&self.first_at, faces));
         let start = if vertex == 0 { 0 } else { ends[vertex as usize - 1] };
         &faces[start..ends[vertex as usize]]
+    }
+
+    /// Returns what lies across the edges of a face. Edge k runs from corner k to the next. `faces`
+    /// must be the faces from which this connectivity was computed.
+    ///
+    /// # Complexity
+    /// O(n log n) the first time, by sorting, then constant.
+    pub(in crate::mesh) fn across(&self, faces: &[[u32; 3]], face: u32) -> [Across; 3] {
+        self.across.get_or_init(|| across_of(&self.first_at, faces))[face as usize]
     }
 
     /// Returns the border of some faces, given by their vertex indices. Its vertices are those of
@@ -132,6 +154,33 @@ impl FacesAt {
         }
         Self { ends, faces: listed }
     }
+}
+
+/// Returns what lies across the edges of each face.
+fn across_of(first_at: &[u32], faces: &[[u32; 3]]) -> Vec<[Across; 3]> {
+    // Both ends in one number, the smaller first, then the face and the number of its edge.
+    let mut edges: Vec<(u64, u32, u8)> = (0..faces.len() as u32)
+        .into_par_iter()
+        .flat_map_iter(|face| {
+            let corners = faces[face as usize].map(|vertex| u64::from(first_at[vertex as usize]));
+            [0_u8, 1, 2].map(|edge| {
+                let (from, to) = (corners[usize::from(edge)], corners[(usize::from(edge) + 1) % 3]);
+                (from.min(to) << 32 | from.max(to), face, edge)
+            })
+        })
+        .collect();
+    edges.par_sort_unstable();
+    let mut across = vec![[Across::Nothing; 3]; faces.len()];
+    for run in edges.chunk_by(|one, other| one.0 == other.0) {
+        for &(_, face, edge) in run {
+            across[face as usize][usize::from(edge)] = match run {
+                [_] => Across::Nothing,
+                [one, other] => Across::Face(if one.1 == face { other.1 } else { one.1 }),
+                _ => Across::Several,
+            };
+        }
+    }
+    across
 }
 
 /// Returns the edges that the faces run along more often one way than the other, with the

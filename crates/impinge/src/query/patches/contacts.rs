@@ -1,11 +1,12 @@
-//! Contacts of the regions in which two meshes intersect.
+//! Contacts of the regions in which two meshes intersect, or come near.
 //!
-//! On either side of a region are the faces that intersect the other mesh, and the faces at the
-//! vertices that are inside it. They are divided into convex pieces. Two pieces of which faces
-//! intersect have the contacts of two convex sets.
+//! On either side of a region are the faces that intersect the other mesh or are near it, and the
+//! faces at the vertices that are inside it. They are divided into convex pieces. Two pieces of
+//! which faces intersect or are near have the contacts of two convex sets.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
+use super::near::{Group, groups_within};
 use super::{ContactPatch, PairCrossing, Region, regions_of};
 use crate::budget::Budget;
 use crate::convex::{
@@ -19,22 +20,32 @@ use crate::mesh::PlacedMesh;
 /// 2^-28.
 const NO_DEPTH: f64 = 1.0 / (1 << 28) as f64;
 
-/// Returns the contacts of each region in which two meshes intersect, with one normal each. Corners
-/// of faces must be in counterclockwise order seen from outside.
+/// Returns the contacts of each region in which two meshes intersect, or are at most `margin` apart,
+/// in world units. Each has one normal. Corners of faces must be in counterclockwise order seen
+/// from outside.
 ///
 /// A region that touches only with faces without area has a contact at each end of a piece of its
 /// curve, whose depth is at most that of the region. If the budget is spent, contacts are missing.
-pub(crate) fn contacts_of_patches(a: PlacedMesh<'_>, b: PlacedMesh<'_>, budget: &Budget<'_>) -> Vec<Contacts> {
-    let placed = [a, b];
+pub(crate) fn contacts_of_patches(placed: [PlacedMesh<'_>; 2], margin: f64, budget: &Budget<'_>) -> Vec<Contacts> {
     let near = NO_DEPTH * size(&placed[0]).min(size(&placed[1]));
-    let of_region = |region: Region| {
-        let found = of_pieces(placed, &region.patch, near, budget);
+    let of_region = |region: &Region| {
+        let ContactPatch { pairs, inside, normal, .. } = &region.patch;
+        let found = of_pieces(placed, pairs, inside, [near, 0.0], budget);
         if !found.is_empty() {
             return found;
         }
-        vec![Contacts { normal: region.patch.normal, contacts: contacts_of_curve(placed, &region) }]
+        vec![Contacts { normal: *normal, contacts: contacts_of_curve(placed, region) }]
     };
-    regions_of(placed, budget).into_iter().flat_map(of_region).collect()
+    let regions = regions_of(placed, budget);
+    if margin <= 0.0 {
+        return regions.iter().flat_map(of_region).collect();
+    }
+    let of_group = |Group { pairs, regions }: Group<'_>| {
+        let inside = [0, 1].map(|side| regions.iter().flat_map(|r| r.patch.inside[side].iter().copied()).collect());
+        let found = of_pieces(placed, &pairs, &inside, [near, margin], budget);
+        if found.is_empty() { regions.into_iter().flat_map(of_region).collect() } else { found }
+    };
+    groups_within(placed, &regions, margin, budget).into_iter().flat_map(of_group).collect()
 }
 
 fn size(placed: &PlacedMesh<'_>) -> f64 {
@@ -42,8 +53,16 @@ fn size(placed: &PlacedMesh<'_>) -> f64 {
     surface.world_bounds().map_or(0.0, |[min, max]| length(&sub(&max, &min)))
 }
 
-fn of_pieces(placed: [PlacedMesh<'_>; 2], patch: &ContactPatch, near: f64, budget: &Budget<'_>) -> Vec<Contacts> {
-    let faces = [0, 1].map(|side| faces_of(placed[side], patch, side));
+/// Returns the contacts of the convex pieces on either side of some pairs of faces, with the
+/// vertices that are inside the other mesh. A depth of at most `near` counts as none.
+fn of_pieces(
+    placed: [PlacedMesh<'_>; 2],
+    of_faces: &[[u32; 2]],
+    inside: &[Vec<u32>; 2],
+    [near, margin]: [f64; 2],
+    budget: &Budget<'_>,
+) -> Vec<Contacts> {
+    let faces = [0, 1].map(|side| faces_of(placed[side], of_faces.iter().map(|pair| pair[side]), &inside[side]));
     let mut piece_of: [HashMap<u32, usize>; 2] = Default::default();
     let mut bodies: [Vec<Body<'_>>; 2] = Default::default();
     for side in 0..2 {
@@ -57,7 +76,7 @@ fn of_pieces(placed: [PlacedMesh<'_>; 2], patch: &ContactPatch, near: f64, budge
     }
     let [of_a, of_b] = &piece_of;
     let mut pairs: BTreeSet<[usize; 2]> =
-        patch.pairs.iter().filter_map(|[a, b]| Some([*of_a.get(a)?, *of_b.get(b)?])).collect();
+        of_faces.iter().filter_map(|[a, b]| Some([*of_a.get(a)?, *of_b.get(b)?])).collect();
     // A piece that is all inside the other mesh may be in contact with any of its pieces.
     for side in 0..2 {
         let crossed: HashSet<usize> = pairs.iter().map(|pair| pair[side]).collect();
@@ -72,8 +91,8 @@ fn of_pieces(placed: [PlacedMesh<'_>; 2], patch: &ContactPatch, near: f64, budge
         if budget.is_spent() {
             break;
         }
-        if let Some(contacts) = contacts_of_bodies(&mut bodies_a[a], &mut bodies_b[b], 0.0)
-            && contacts.contacts.iter().any(|contact| contact.upper >= 0.0)
+        if let Some(contacts) = contacts_of_bodies(&mut bodies_a[a], &mut bodies_b[b], margin)
+            && contacts.contacts.iter().any(|contact| contact.upper >= -margin)
         {
             found.push(Found { contacts, bodies: [a, b] });
         }
@@ -81,11 +100,11 @@ fn of_pieces(placed: [PlacedMesh<'_>; 2], patch: &ContactPatch, near: f64, budge
     unresolved(found, [bodies_a, bodies_b], near)
 }
 
-/// Returns the faces of one mesh that are in a region: those that intersect the other mesh, and
-/// those at its vertices inside the other mesh, in ascending order.
-fn faces_of(placed: PlacedMesh<'_>, patch: &ContactPatch, side: usize) -> Vec<OrientedFace> {
-    let inside = patch.inside[side].iter().flat_map(|&vertex| placed.mesh.faces_at(vertex).iter().copied());
-    let mut faces: Vec<u32> = patch.pairs.iter().map(|pair| pair[side]).chain(inside).collect();
+/// Returns the faces of one side of a region, in ascending order: given ones, and those at the
+/// vertices inside the other mesh.
+fn faces_of(placed: PlacedMesh<'_>, faces: impl Iterator<Item = u32>, inside: &[u32]) -> Vec<OrientedFace> {
+    let inside = inside.iter().flat_map(|&vertex| placed.mesh.faces_at(vertex).iter().copied());
+    let mut faces: Vec<u32> = faces.chain(inside).collect();
     faces.sort_unstable();
     faces.dedup();
     faces.into_iter().map(|face| OrientedFace { face, is_flipped: false }).collect()

@@ -12,6 +12,7 @@
 
 mod contacts;
 mod interior;
+mod near;
 
 use std::collections::{HashMap, HashSet};
 
@@ -93,7 +94,7 @@ pub(crate) fn normals_of_regions(placed: [PlacedMesh<'_>; 2], budget: &Budget<'_
         return Vec::new();
     }
     let area = |found: Vec<PairCrossing>| area_and_normal(placed, &found, &Linked::new(placed, &found, budget));
-    connected(all).into_iter().map(area).collect()
+    connected(all, |crossing| crossing.pair).into_iter().map(area).collect()
 }
 
 /// A region with its pairs and the pieces of its curves.
@@ -114,30 +115,31 @@ fn regions_of(placed: [PlacedMesh<'_>; 2], budget: &Budget<'_>) -> Vec<Region> {
         return Vec::new();
     }
     let mut sides = [0, 1].map(|side| Interior::new(placed, &all, side));
-    let regions = connected(all).into_iter().take_while(|_| !budget.is_spent());
+    let regions = connected(all, |crossing| crossing.pair).into_iter().take_while(|_| !budget.is_spent());
     regions.map(|crossings| region(placed, &mut sides, crossings, budget)).collect()
 }
 
-/// Groups pairs that are connected by shared faces.
-fn connected(all: Vec<PairCrossing>) -> Vec<Vec<PairCrossing>> {
+/// Groups things by their pairs of faces: pairs that share a face are in one group.
+fn connected<T>(all: Vec<T>, pair_of: impl Fn(&T) -> [u32; 2]) -> Vec<Vec<T>> {
     let mut roots: Vec<usize> = (0..all.len()).collect();
     let mut first: [HashMap<u32, usize>; 2] = Default::default();
-    for (number, crossing) in all.iter().enumerate() {
+    for (number, thing) in all.iter().enumerate() {
+        let pair = pair_of(thing);
         for side in 0..2 {
-            let other = *first[side].entry(crossing.pair[side]).or_insert(number);
+            let other = *first[side].entry(pair[side]).or_insert(number);
             let (one, other) = (root(&mut roots, number), root(&mut roots, other));
             roots[one.max(other)] = one.min(other);
         }
     }
-    let mut found: Vec<Vec<PairCrossing>> = Vec::new();
+    let mut found: Vec<Vec<T>> = Vec::new();
     let mut number_of = HashMap::new();
-    for (number, crossing) in all.into_iter().enumerate() {
+    for (number, thing) in all.into_iter().enumerate() {
         let root = root(&mut roots, number);
-        let region = *number_of.entry(root).or_insert(found.len());
-        if region == found.len() {
+        let group = *number_of.entry(root).or_insert(found.len());
+        if group == found.len() {
             found.push(Vec::new());
         }
-        found[region].push(crossing);
+        found[group].push(thing);
     }
     found
 }

@@ -1,6 +1,6 @@
 //! Contacts of two things: where they touch or overlap, as a contact solver needs it.
 
-use super::seams::across_seams;
+use super::seams::{OfParts, across_seams, remove_buried};
 use super::search::depth_by_search;
 use super::table::{nearness_of_parts, pairs_near, surface_of};
 use crate::budget::Budget;
@@ -68,9 +68,10 @@ pub struct ContactId {
 /// - Two half-spaces have one point. Its depth is infinite unless their planes are parallel and
 ///   face each other.
 /// - Two meshes have the manifolds of their convex pieces, for each region in which their surfaces
-///   intersect ([`contact_patches`](crate::query::contact_patches())).
-/// - Compounds have the manifolds of their parts. A normal that leads into another part of the same
-///   compound is replaced by that of a facet.
+///   intersect ([`contact_patches`](crate::query::contact_patches())) or are within the margin.
+/// - Compounds have the manifolds of their parts. A normal that leads nearer to another part of the
+///   same compound is replaced by that of a facet, or left out if that part has a manifold. So
+///   nothing that slides or rolls over flush tiles meets the sides or edges between them.
 ///
 /// ```
 /// use impinge::{Pose, Shape, query};
@@ -109,9 +110,9 @@ impl Query<'_> {
         let (a, b) = (a.into(), b.into());
         let ContactOptions { margin, most_points } = self.contacts;
         let found = contacts_within(&a.shape(), &b.shape(), margin.max(0.0), self.options.budget).into_iter().map(
-            |(parts, mut contacts)| {
+            |OfParts { numbers, mut contacts, .. }| {
                 contacts.keep(most_points);
-                manifold(parts, &contacts)
+                manifold(numbers, &contacts)
             },
         );
         found.collect()
@@ -120,7 +121,7 @@ impl Query<'_> {
 
 /// Returns the contacts of two shapes within a margin, with the parts that they belong to. If the
 /// budget is spent, some are missing.
-fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Budget<'_>) -> Vec<([u32; 2], Contacts)> {
+fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Budget<'_>) -> Vec<OfParts> {
     let mut found = Vec::new();
     for numbers in pairs_near(a, b, margin) {
         if budget.is_spent() {
@@ -129,9 +130,10 @@ fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Budge
         let (part_a, part_b) = (&a.parts()[numbers[0] as usize], &b.parts()[numbers[1] as usize]);
         if nearness_of_parts(part_a, part_b, margin) != Proximity::Apart {
             let of_parts = contacts_of_parts(part_a, part_b, margin, budget).into_iter();
-            found.extend(of_parts.map(|contacts| (numbers, across_seams([a, b], numbers, contacts, margin))));
+            found.extend(of_parts.map(|contacts| across_seams([a, b], numbers, contacts, margin)));
         }
     }
+    remove_buried(&mut found);
     found
 }
 
@@ -173,11 +175,12 @@ fn of_contained(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -> Vec<Co
     vec![Contacts { normal, contacts: vec![Contact { points, lower, upper, features }] }]
 }
 
-/// Returns the contacts of two meshes: those of the regions in which their surfaces intersect.
-/// Without such a region it returns the nearest points if they are within the margin.
+/// Returns the contacts of two meshes: those of the regions in which their surfaces intersect or
+/// are within the margin. If there are none, as for faces without area, it returns the nearest
+/// points.
 fn of_surfaces(a: &Surface<'_>, b: &Surface<'_>, margin: f64, budget: &Budget<'_>) -> Vec<Contacts> {
     let (a, b) = (surface_of(a), surface_of(b));
-    let found = contacts_of_patches(a, b, budget);
+    let found = contacts_of_patches([a, b], margin, budget);
     if !found.is_empty() || budget.stopped().is_some() {
         return found;
     }

@@ -1,12 +1,17 @@
 //! Contacts at the seams of a compound: between parts that lie side by side.
 //!
-//! The side of a tile in a floor of tiles is no surface of the floor. A crate that is deeper in the
-//! floor than it is over the next tile would be pushed back at the seam if each tile were alone. So
-//! a normal that leads from all points of a contact into another part of the same compound is
-//! replaced by the normal of a facet that does not.
+//! The side of a tile in a floor of tiles is no surface of the floor, and its edge is no edge. A
+//! crate that is deeper in the floor than it is over the next tile would be pushed back at the seam
+//! if each tile were alone. A ball would be pushed back by the edge that it has left. So a normal is
+//! buried if it leads from all points of a contact nearer to other parts of the same compound. It is
+//! replaced by the normal of a facet that is not buried. If there is none, the contact is left out,
+//! because those other parts have contacts.
 //!
-//! Only convex parts bury others. The test is
-//! `a_crate_on_flush_tiles_is_only_lifted` in `tests/it/shapes/mesh_contacts.rs`.
+//! Only convex parts bury others, and only they are buried. Contacts with half-spaces stay. The
+//! tests are `a_crate_on_flush_tiles_is_only_lifted` and the two after it in
+//! `tests/it/shapes/mesh_contacts.rs`.
+
+use std::collections::HashSet;
 
 use crate::convex::{self, Contacts, Core, Swept, contacts_along_facets};
 use crate::math::Pose;
@@ -15,55 +20,100 @@ use crate::query::Proximity;
 use crate::shape::{Form, PlacedShape};
 
 /// Distance at which the surroundings of a contact point are tested, relative to the smaller part:
-/// 2^-16. Parts are flush if the gap between them is less than half of it.
+/// 2^-16. Parts are flush if the gap between them is less than that.
 const BESIDE: f64 = 1.0 / (1 << 16) as f64;
 
-/// Returns the contacts of two convex parts of two shapes, along another normal if theirs leads
-/// into another part of the same shape.
-pub(super) fn across_seams(
-    [a, b]: [&PlacedShape; 2],
-    [number_a, number_b]: [u32; 2],
-    found: Contacts,
-    margin: f64,
-) -> Contacts {
-    if a.parts().len() == 1 && b.parts().len() == 1 {
-        return found;
+/// Part of that distance within which another part is nearer than the contact point: a normal may
+/// lean by up to 0.1 degrees.
+const NEARER: f64 = 1.0 - 1.0 / (1 << 20) as f64;
+
+/// The contacts of two parts, which are given by their numbers.
+pub(super) struct OfParts {
+    pub(super) numbers: [u32; 2],
+    pub(super) contacts: Contacts,
+    /// For each point on either shape the other parts that its normal leads to. Empty if the normal
+    /// leads out of both shapes.
+    buried_by: [Vec<Vec<u32>>; 2],
+}
+
+impl OfParts {
+    fn is_buried(&self) -> bool {
+        self.buried_by.iter().any(|points| !points.is_empty())
     }
-    let (part_a, part_b) = (&a.parts()[number_a as usize], &b.parts()[number_b as usize]);
-    let (Form::Convex(swept_a), Form::Convex(swept_b)) = (part_a.form(), part_b.form()) else { return found };
-    let step = BESIDE * size(part_a).min(size(part_b));
-    let is_buried = |found: &Contacts| {
-        let forward = found.normal.map(|x| step * x);
-        let on = |side: usize| found.contacts.iter().map(move |contact| contact.points[side]);
-        let leads_into = |shape: &PlacedShape, own: u32, side: usize, sign: f64| {
-            shape.parts().len() > 1
-                && on(side).all(|point| {
-                    let beside = std::array::from_fn(|k| point[k] + sign * forward[k]);
-                    is_in_another(shape, own, beside, 0.5 * step)
-                })
+}
+
+/// Leaves out contacts that are buried by parts which have contacts themselves.
+pub(super) fn remove_buried(found: &mut Vec<OfParts>) {
+    let mut outside: [HashSet<u32>; 2] = Default::default();
+    for of_parts in found.iter().filter(|of_parts| !of_parts.is_buried()) {
+        (0..2).for_each(|side| _ = outside[side].insert(of_parts.numbers[side]));
+    }
+    found.retain(|of_parts| {
+        let is_held = |side: usize| {
+            of_parts.buried_by[side].iter().all(|parts| parts.iter().any(|part| outside[side].contains(part)))
         };
-        leads_into(a, number_a, 0, 1.0) || leads_into(b, number_b, 1, -1.0)
-    };
-    if !is_buried(&found) {
-        return found;
+        !of_parts.is_buried() || !is_held(0) || !is_held(1)
+    });
+}
+
+/// Judges the contacts of two parts of two shapes. Replaces them by contacts along the normal of a
+/// facet if theirs is buried and the other is not.
+pub(super) fn across_seams(shapes: [&PlacedShape; 2], numbers: [u32; 2], contacts: Contacts, margin: f64) -> OfParts {
+    let parts = [0, 1].map(|side| &shapes[side].parts()[numbers[side] as usize]);
+    let may_be_buried = shapes.iter().any(|shape| shape.parts().len() > 1)
+        && !parts.iter().any(|part| matches!(part.form(), Form::HalfSpace(_)));
+    if !may_be_buried {
+        return OfParts { numbers, contacts, buried_by: Default::default() };
     }
-    let others = contacts_along_facets(&part_a.faceted(swept_a), &part_b.faceted(swept_b), margin);
-    others.into_iter().find(|other| !is_buried(other)).unwrap_or(found)
+    let step = BESIDE * size(parts[0]).min(size(parts[1]));
+    let judged = |contacts: Contacts| {
+        let buried_by = [0, 1].map(|side| buriers(shapes[side], numbers[side], &contacts, side, step));
+        OfParts { numbers, contacts, buried_by }
+    };
+    let found = judged(contacts);
+    if let (true, Form::Convex(swept_a), Form::Convex(swept_b)) =
+        (found.is_buried() && found.contacts.deepest() >= 0.0, parts[0].form(), parts[1].form())
+    {
+        let others = contacts_along_facets(&parts[0].faceted(swept_a), &parts[1].faceted(swept_b), margin);
+        if let Some(other) = others.into_iter().map(judged).find(|other| !other.is_buried()) {
+            return other;
+        }
+    }
+    found
+}
+
+/// Returns for each contact point of one part the other parts of the shape that its normal leads
+/// to. Returns no list at all if there is none for some point.
+fn buriers(shape: &PlacedShape, own: u32, contacts: &Contacts, side: usize, step: f64) -> Vec<Vec<u32>> {
+    if shape.parts().len() == 1 || !matches!(shape.parts()[own as usize].form(), Form::Convex(_)) {
+        return Vec::new();
+    }
+    let outward = if side == 0 { step } else { -step };
+    let mut lists = Vec::new();
+    for contact in &contacts.contacts {
+        let beside = std::array::from_fn(|k| contact.points[side][k] + outward * contacts.normal[k]);
+        let near = others_near(shape, own, beside, NEARER * step);
+        if near.is_empty() {
+            return Vec::new();
+        }
+        lists.push(near);
+    }
+    lists
 }
 
 fn size(part: &PlacedShape) -> f64 {
     part.bounds().map_or(f64::INFINITY, |[min, max]| length(&sub(&max, &min)))
 }
 
-/// Reports whether a point is within `near` of another convex part than the given one.
-fn is_in_another(shape: &PlacedShape, own: u32, point: [f64; 3], near: f64) -> bool {
+/// Returns the parts other than the given one that are within `near` of a point: convex parts and
+/// half-spaces.
+fn others_near(shape: &PlacedShape, own: u32, point: [f64; 3], near: f64) -> Vec<u32> {
     let corner = [point];
     let point = Swept { core: Core::Points(&corner), pose: &Pose::IDENTITY, radius: [0.0; 2] };
-    shape.parts_near(Some([corner[0]; 2]), near).into_iter().filter(|&part| part != own).any(|part| {
-        match shape.parts()[part as usize].form() {
-            Form::Convex(other) => convex::nearness(&other, &point, near) == Proximity::Intersects,
-            Form::HalfSpace(plane) => plane.nearness(&point, near) == Proximity::Intersects,
-            Form::Surface(_) => false,
-        }
-    })
+    let is_near = |part: u32| match shape.parts()[part as usize].form() {
+        Form::Convex(other) => convex::nearness(&other, &point, near) == Proximity::Intersects,
+        Form::HalfSpace(plane) => plane.nearness(&point, near) == Proximity::Intersects,
+        Form::Surface(_) => false,
+    };
+    shape.parts_near(Some([corner[0]; 2]), near).into_iter().filter(|&part| part != own && is_near(part)).collect()
 }

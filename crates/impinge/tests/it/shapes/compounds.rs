@@ -112,9 +112,10 @@ fn compounds_of_many_parts_answer_as_their_parts() {
             manifolds.iter().flat_map(|m| &m.points).map(|point| [point.id.part_a, point.id.part_b]).collect()
         };
         assert!(named.is_sorted(), "{named:?}");
+        assert_eq!(!named.is_empty(), hit, "{case}");
         for (i, part) in (0..).zip(&ours) {
             for (j, other) in (0..).zip(&theirs) {
-                assert_eq!(named.contains(&[i, j]), query::intersects(part, other), "{case} {i} {j}");
+                assert!(!named.contains(&[i, j]) || query::intersects(part, other), "{case} {i} {j}");
             }
         }
         contacts += named.len();

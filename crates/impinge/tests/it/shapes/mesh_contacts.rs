@@ -26,6 +26,11 @@ pub(super) fn deepest(manifold: &Manifold) -> f64 {
     manifold.points.iter().map(|point| point.upper).fold(f64::NEG_INFINITY, f64::max)
 }
 
+/// Returns the contacts within a margin of 0.02.
+pub(super) fn nearby(a: &PlacedShape, b: &PlacedShape) -> Vec<Manifold> {
+    Query::new().with_contacts(ContactOptions { margin: 0.02, ..Default::default() }).contacts(a, b)
+}
+
 /// Returns the one manifold, after checking its normal and its depth.
 #[track_caller]
 fn only(found: Vec<Manifold>, normal: [f64; 3], depth: f64) -> Manifold {
@@ -222,6 +227,53 @@ fn a_crate_on_flush_tiles_is_only_lifted() {
                     sign * found.normal[2] > 1.0 - 1e-12 && (deepest(found) - 1e-3).abs() < 1e-9,
                     "{over} {found:?}"
                 );
+            }
+        }
+    }
+}
+
+/// Checks that a crate that slides over tiles never meets the side of the next tile, even if it is
+/// a little above or below the tiles, and whether it is a box or a mesh.
+#[test]
+fn a_crate_near_flush_tiles_is_only_lifted() {
+    let mut rng = Rng::new(611);
+    let tile = Shape::cuboid([0.5, 0.5, 0.25]).unwrap();
+    let places = (0..16).map(|i| (tile.clone(), at([f64::from(i % 4) - 1.5, f64::from(i / 4) - 1.5, -0.25])));
+    let floor = here(&Shape::compound(&places.collect::<Vec<_>>()).unwrap());
+    let crates = [Shape::cuboid([0.5; 3]).unwrap(), Shape::solid(&box_mesh([0.5; 3]))];
+    for round in 0..120 {
+        let depth = [-0.015, -1e-6, 0.0, 1e-6, 1e-3][round % 5];
+        // On the grid, near it, or anywhere.
+        let aside = [0; 2].map(|_| match rng.integer(0, 2) {
+            0 => 0.25 * f64::from(rng.integer(-4, 4) as i32),
+            1 => 0.25 * f64::from(rng.integer(-4, 4) as i32) + rng.uniform(-0.02, 0.02),
+            _ => rng.uniform(-1.0, 1.0),
+        });
+        for crate_ in &crates {
+            let crate_ = there(crate_, [aside[0], aside[1], 0.5 - depth]);
+            for (found, sign) in [(nearby(&floor, &crate_), 1.0), (nearby(&crate_, &floor), -1.0)] {
+                let most = found.iter().map(deepest).fold(f64::NEG_INFINITY, f64::max);
+                assert!((most - depth).abs() < 1e-9, "{aside:?} {depth} {found:?}");
+                let is_up = |found: &Manifold| sign * found.normal[2] > 1.0 - 1e-9;
+                assert!(found.iter().all(is_up), "{aside:?} {depth} {found:?}");
+            }
+        }
+    }
+}
+
+/// Checks that a ball that has left a tile is not pushed back by the edge of that tile.
+#[test]
+fn a_ball_on_flush_tiles_is_only_lifted() {
+    let tile = Shape::cuboid([0.5, 0.5, 0.25]).unwrap();
+    let floor = Shape::compound(&[(tile.clone(), at([-0.5, 0.0, -0.25])), (tile, at([0.5, 0.0, -0.25]))]).unwrap();
+    let ball = Shape::sphere([0.0; 3], 0.25).unwrap();
+    for depth in [0.0, 1e-6, 1e-3, 0.05] {
+        for x in [-0.2, -0.01, -1e-3, 0.0, 1e-3, 0.01, 0.2] {
+            let found = query::contacts(here(&floor), there(&ball, [x, 0.1, 0.25 - depth]));
+            assert!(!found.is_empty(), "{x} {depth}");
+            for found in &found {
+                let is_right = found.normal[2] > 1.0 - 1e-6 && (deepest(found) - depth).abs() < 1e-6 * depth + 1e-9;
+                assert!(is_right, "{x} {depth} {found:?}");
             }
         }
     }

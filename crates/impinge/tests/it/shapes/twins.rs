@@ -8,7 +8,7 @@ use impinge_testkit::generate::solids::cuboid;
 use impinge_testkit::generate::{Rng, poses};
 use impinge_testkit::{Mesh as Plain, rounds};
 
-use super::mesh_contacts::{area, deepest};
+use super::mesh_contacts::{area, deepest, nearby};
 use crate::shapes::hulls::pose;
 use crate::shapes::support::{dot, engine};
 
@@ -48,8 +48,15 @@ fn body(rng: &mut Rng, kind: i64) -> Shape {
     }
 }
 
-/// Places a body so that it is slightly deep in a box, over its sides, edges or corners.
-fn sunk(rng: &mut Rng, twin: &PlacedShape, half: [f64; 3], body: &Shape) -> Option<(PlacedShape, f64)> {
+/// Places a body so that it is slightly deep in a box, over its sides, edges or corners. Negative
+/// `deeper` leave a gap.
+fn sunk(
+    rng: &mut Rng,
+    twin: &PlacedShape,
+    half: [f64; 3],
+    body: &Shape,
+    deeper: [f64; 3],
+) -> Option<(PlacedShape, f64)> {
     let mut place = if rng.one_in(3) { poses::rotation(rng) } else { impinge_testkit::Affine::IDENTITY };
     if rng.one_in(3) {
         // Nearly level, as a body that rocks.
@@ -75,9 +82,12 @@ fn sunk(rng: &mut Rng, twin: &PlacedShape, half: [f64; 3], body: &Shape) -> Opti
         let shift = 0.5 * (low + high);
         if query::intersects(twin, there(shift)) { high = shift } else { low = shift }
     }
-    let deep = [1e-4, 1e-3, 1e-2][rng.integer(0, 2) as usize] * rng.uniform(0.5, 1.0);
+    let deep = deeper[rng.integer(0, 2) as usize] * rng.uniform(0.5, 1.0);
     Some((there(high + deep), deep))
 }
+
+/// Depths of bodies that rest on each other.
+const DEEP: [f64; 3] = [1e-4, 1e-3, 1e-2];
 
 /// Difference of areas that does not count.
 const AREA_SLACK: f64 = 1e-9;
@@ -134,7 +144,7 @@ fn bodies_on_mesh_boxes_have_the_contacts_of_bodies_on_boxes() {
         let kind = rng.integer(0, 3);
         let body = body(&mut rng, kind);
         let slack = if kind == CYLINDER { CYLINDER_AREA_SLACK } else { AREA_SLACK };
-        let Some((body, sunk)) = sunk(&mut rng, &twin, half, &body) else { continue };
+        let Some((body, sunk)) = sunk(&mut rng, &twin, half, &body, DEEP) else { continue };
         let truth = query::contacts(&twin, &body);
         let second = other_axis(&twin, &body, &truth[0].normal);
         for shape in [Shape::solid(&mesh), Shape::mesh(&mesh)] {
@@ -159,7 +169,7 @@ fn mesh_boxes_on_mesh_boxes_have_the_contacts_of_boxes() {
         let times = [0; 2].map(|_| rng.integer(0, 2) as usize);
         let base = Shape::solid(&engine(&divided(half, times[0]))).at(Pose::IDENTITY).unwrap();
         let twin = Shape::cuboid(half).unwrap().at(Pose::IDENTITY).unwrap();
-        let Some((plain, sunk)) = sunk(&mut rng, &twin, half, &Shape::cuboid(own).unwrap()) else { continue };
+        let Some((plain, sunk)) = sunk(&mut rng, &twin, half, &Shape::cuboid(own).unwrap(), DEEP) else { continue };
         let truth = query::contacts(&twin, &plain);
         let second = other_axis(&twin, &plain, &truth[0].normal);
         let upper = Shape::solid(&engine(&divided(own, times[1]))).at(*plain.world_from_local()).unwrap();
@@ -169,4 +179,31 @@ fn mesh_boxes_on_mesh_boxes_have_the_contacts_of_boxes() {
         checked += 1;
     }
     assert!(checked > 120 && unique > 80, "{checked} {unique}");
+}
+
+/// Checks boxes that are meshes a little above boxes that are meshes, within a margin.
+#[test]
+fn mesh_boxes_near_mesh_boxes_have_the_contacts_of_boxes() {
+    let mut rng = Rng::new(604);
+    let (mut checked, mut flat) = (0, 0);
+    for _ in 0..rounds(200) {
+        let half = [0; 3].map(|_| rng.uniform(0.3, 1.5));
+        let own = [0; 3].map(|_| rng.uniform(0.1, 0.6));
+        let times = [0; 2].map(|_| rng.integer(0, 2) as usize);
+        let base = Shape::solid(&engine(&divided(half, times[0]))).at(Pose::IDENTITY).unwrap();
+        let twin = Shape::cuboid(half).unwrap().at(Pose::IDENTITY).unwrap();
+        let gaps = DEEP.map(|deep| -deep);
+        let Some((plain, gap)) = sunk(&mut rng, &twin, half, &Shape::cuboid(own).unwrap(), gaps) else { continue };
+        let truth = &nearby(&twin, &plain)[0];
+        let upper = Shape::solid(&engine(&divided(own, times[1]))).at(*plain.world_from_local()).unwrap();
+        let found = nearby(&base, &upper);
+        let context = || format!("{half:?} {own:?} {times:?} {plain:?} {gap}: {found:?}, not {truth:?}");
+        assert_eq!(found.len(), 1, "{}", context());
+        assert!(dot(&found[0].normal, &truth.normal) > 1.0 - 1e-6, "{}", context());
+        assert!((deepest(&found[0]) - deepest(truth)).abs() <= 1e-9, "{}", context());
+        assert!(area(&found[0]) >= 0.99 * area(truth) - AREA_SLACK, "{}", context());
+        checked += 1;
+        flat += usize::from(truth.points.len() == 4);
+    }
+    assert!(checked > 120 && flat > 40, "{checked} {flat}");
 }
