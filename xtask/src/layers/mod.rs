@@ -15,7 +15,7 @@ use anyhow::Result;
 use crate::sources::Violation;
 
 /// Crates of the workspace from the bottom up. Dev-dependencies are free.
-const CRATES: [&str; 8] = [
+const CRATES: [&str; 9] = [
     "impinge",
     "impinge-files",
     "impinge-cli",
@@ -23,6 +23,7 @@ const CRATES: [&str; 8] = [
     "impinge-testkit",
     "impinge-bench",
     "impinge-examples",
+    "impinge-simulation",
     "xtask",
 ];
 

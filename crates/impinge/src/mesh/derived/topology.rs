@@ -24,7 +24,7 @@ pub(crate) struct Topology {
     across: OnceLock<Vec<[Across; 3]>>,
 }
 
-/// What lies across an edge of a face.
+/// The surface across an edge of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Across {
     /// No face: the edge is on the border of the surface.

@@ -20,9 +20,9 @@ use crate::mesh::PlacedMesh;
 /// 2^-28.
 const NO_DEPTH: f64 = 1.0 / (1 << 28) as f64;
 
-/// Returns the contacts of each region in which two meshes intersect, or are at most `margin` apart,
-/// in world units. Each has one normal. Corners of faces must be in counterclockwise order seen
-/// from outside.
+/// Returns the contacts of each region in which two meshes intersect, or are at most `margin`
+/// apart, in world units. Each has one normal. Corners of faces must be in counterclockwise order
+/// seen from outside.
 ///
 /// A region that touches only with faces without area has a contact at each end of a piece of its
 /// curve, whose depth is at most that of the region. If the budget is spent, contacts are missing.

@@ -2,10 +2,10 @@
 //!
 //! The side of a tile in a floor of tiles is no surface of the floor, and its edge is no edge. A
 //! crate that is deeper in the floor than it is over the next tile would be pushed back at the seam
-//! if each tile were alone. A ball would be pushed back by the edge that it has left. So a normal is
-//! buried if it leads from all points of a contact nearer to other parts of the same compound. It is
-//! replaced by the normal of a facet that is not buried. If there is none, the contact is left out,
-//! because those other parts have contacts.
+//! if each tile were alone. A ball would be pushed back by the edge that it has left. So a normal
+//! is buried if it leads from all points of a contact nearer to other parts of the same compound.
+//! It is replaced by the normal of a facet that is not buried. If there is none, the contact is
+//! left out, because those other parts have contacts.
 //!
 //! Only convex parts bury others, and only they are buried. Contacts with half-spaces stay. The
 //! tests are `a_crate_on_flush_tiles_is_only_lifted` and the two after it in
@@ -56,8 +56,8 @@ pub(super) fn remove_buried(found: &mut Vec<OfParts>) {
     });
 }
 
-/// Judges the contacts of two parts of two shapes. Replaces them by contacts along the normal of a
-/// facet if theirs is buried and the other is not.
+/// Finds the parts that bury the contacts of two parts of two shapes. Replaces contacts that are
+/// buried by those along the normal of a facet that is not.
 pub(super) fn across_seams(shapes: [&PlacedShape; 2], numbers: [u32; 2], contacts: Contacts, margin: f64) -> OfParts {
     let parts = [0, 1].map(|side| &shapes[side].parts()[numbers[side] as usize]);
     let may_be_buried = shapes.iter().any(|shape| shape.parts().len() > 1)
