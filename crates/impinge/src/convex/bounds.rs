@@ -19,8 +19,10 @@ impl Swept<'_> {
     /// The box is tight up to units of 2^-53 of the magnitudes that sum up to a coordinate: about 8
     /// units for corners, and the number of units in docs/notes/proof.md, L20, for other cores.
     pub(crate) fn world_bounds(&self) -> [[f64; 3]; 2] {
-        let [against, along] = match self.core.corners() {
-            Some(corners) if corners.len() <= MAX_SCANNED_CORNERS => self.heights_of_corners(corners),
+        let [against, along] = match (self.core, self.core.corners()) {
+            (Core::Points([[0.0, 0.0, 0.0]]), _) => [[0.0; 3]; 2],
+            (Core::Cuboid([.., half_extents]), _) => [self.heights_of_box(half_extents); 2],
+            (_, Some(corners)) if corners.len() <= MAX_SCANNED_CORNERS => self.heights_of_corners(corners),
             _ => self.heights_of_supports(),
         };
         let at = self.pose.translation();
@@ -60,6 +62,16 @@ impl Swept<'_> {
                 [all[0], all[1], all[2]]
             })
         }))
+    }
+
+    /// Returns upper bounds on the reach of a box about its origin along each axis of the world,
+    /// which is its reach against the axis too. The error is that of
+    /// [`heights_of_corners`](Self::heights_of_corners).
+    fn heights_of_box(&self, half_extents: &[f64; 3]) -> [f64; 3] {
+        self.pose.linear().map(|row| {
+            let terms = by_axis!(k => row[k].abs() * half_extents[k]);
+            (terms[0] + terms[1] + terms[2]) * (1.0 + 8.0 * UNIT_ROUNDOFF) + f64::MIN_POSITIVE
+        })
     }
 
     /// Returns the same bounds as [`heights_of_corners`](Self::heights_of_corners), from the

@@ -19,12 +19,13 @@
 //! The proof is docs/notes/proof.md, L22. The tests are in `tests/it/shapes`.
 
 use super::around::about_origin;
-use super::boxes::Boxes;
+use super::closed;
 use super::core_depth::CoreDepth;
-use super::distance::{above, below, world_bounds};
+use super::distance::world_bounds;
 use super::expand::Polytope;
 use super::facet::Facet;
 use super::gjk::{Gap, gap, means};
+use super::interval::{above, below};
 use super::posed::{Difference, Pair, Swept, to_unit_entries, to_unit_length};
 use super::simplex;
 use crate::exact::world_point;
@@ -114,8 +115,11 @@ pub(crate) fn depth(a: &Swept<'_>, b: &Swept<'_>) -> Depth {
 
 pub(super) fn depth_in_order(pair: &Pair<'_>, a: &Swept<'_>, b: &Swept<'_>, effort: Effort) -> CoreWitness {
     let sum = |end: usize| a.radius[end] + b.radius[end];
-    let of_boxes = Boxes::of(pair).and_then(|boxes| boxes.depth(effort.target_width.max(HULL_FALLBACK_WIDTH)));
-    let (core, apart) = of_boxes.map_or_else(|| by_iteration(pair, effort), |core| (core, 0.0));
+    let width = effort.target_width.max(HULL_FALLBACK_WIDTH) * pair.unit;
+    let (core, apart) = match closed::depth(a, b, width) {
+        Some(closed::Depth { core, apart }) => (core.scaled(1.0 / pair.unit), apart),
+        None => by_iteration(pair, effort),
+    };
     let [inside, height] = [core.lower * pair.unit, core.upper * pair.unit];
     let lower = if inside > 0.0 { below(inside + below(sum(0))) } else { below(below(sum(0)) - apart).max(0.0) };
     let normal = to_unit_length(core.direction);

@@ -1,33 +1,20 @@
 //! Distance of two swept cores, and whether they are within a distance of each other.
 //!
-//! Floats compute an interval first. If it does not decide the answer, or is too wide, and both
-//! cores are polytopes, the exact least distance takes over. For other cores the answer may be
+//! Closed forms answer first, if there are any for the two cores. Otherwise floats compute an
+//! interval. If it does not decide the answer, or is too wide, and both cores are polytopes, the
+//! exact least distance takes over. For other cores the answer may be
 //! undecided.
 
 use super::around::certainly_intersect;
-use super::boxes::Boxes;
+use super::closed;
 use super::facet::Facet;
 use super::gjk::{Gap, gap, gap_until, means};
+use super::interval::{EXACT_DISTANCE_WIDTH, Separation, above, below};
 use super::min_norm::{LeastDistance, least_distance};
 use super::posed::{Pair, Swept, to_unit_length};
 use crate::math::dyadic::Dyadic;
 use crate::math::vec3::{dot, sub};
 use crate::volume::Proximity;
-
-/// Width of an interval, relative to its upper end, above which exact arithmetic narrows it: 2^-36.
-/// Floats give a relative width of 2^-48 if the shapes are well apart, and 2^-36 at a gap of 2^-12
-/// of their size.
-const EXACT_DISTANCE_WIDTH: f64 = f64::from_bits((1023 - 36) << 52);
-
-/// Proved bounds on the distance of two shapes, in world units, with the nearest points in the
-/// world frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Separation {
-    pub(crate) lower: f64,
-    pub(crate) upper: f64,
-    pub(crate) points: [[f64; 3]; 2],
-    pub(crate) proximity: Proximity,
-}
 
 /// Returns the distance of two shapes, and whether they intersect. The two answers never contradict
 /// each other.
@@ -60,6 +47,11 @@ pub(crate) fn parting(a: &Swept<'_>, b: &Swept<'_>) -> Parting {
 }
 
 fn separation_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
+    closed::separation(a, b).unwrap_or_else(|| separation_by_iteration(a, b))
+}
+
+/// Returns the same as [`separation`], for shapes in order, without closed forms.
+pub(super) fn separation_by_iteration(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
     let pair = Pair::new(a, b);
     let (mut gap, mut exact) = (gap(&pair), None);
     if gap.upper - gap.lower > EXACT_DISTANCE_WIDTH * gap.upper && !holds_origin(&pair, &gap) {
@@ -86,19 +78,10 @@ fn separation_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
 /// must be finite and not negative. `Intersects` means that they are.
 pub(crate) fn nearness(a: &Swept<'_>, b: &Swept<'_>, clearance: f64) -> Proximity {
     let [a, b] = if a.is_before(b) { [a, b] } else { [b, a] };
-    let pair = Pair::new(a, b);
-    by_boxes(&pair, [a.radius, b.radius], clearance)
-        .unwrap_or_else(|| by_iteration(&pair, [a.radius, b.radius], clearance))
+    closed::nearness(a, b, clearance).unwrap_or_else(|| by_iteration(&Pair::new(a, b), [a.radius, b.radius], clearance))
 }
 
-/// Decides two boxes in closed form. Returns `None` if that is not possible.
-fn by_boxes(pair: &Pair<'_>, radii: [[f64; 2]; 2], clearance: f64) -> Option<Proximity> {
-    let answer = Boxes::of(pair)?.proximity();
-    let is_plain = [radii[0][1], radii[1][1], clearance] == [0.0; 3];
-    (answer == Proximity::Intersects || answer == Proximity::Apart && is_plain).then_some(answer)
-}
-
-/// Returns the same as [`nearness`], for any cores, without the closed form for boxes.
+/// Returns the same as [`nearness`], for any cores, without closed forms.
 pub(super) fn by_iteration(pair: &Pair<'_>, radii: [[f64; 2]; 2], clearance: f64) -> Proximity {
     let gap = gap_until(pair, |gap| by_bounds(pair, radii, gap, clearance).is_some());
     classify(pair, radii, &gap, None, clearance)
@@ -126,10 +109,10 @@ pub(crate) fn nearness_from(a: &Swept<'_>, b: &Swept<'_>, clearance: f64, known:
     const MIN_DECISIVE_GAP: f64 = 1.0 / (1 << 20) as f64;
     let is_turned = !a.is_before(b);
     let [first, second] = if is_turned { [b, a] } else { [a, b] };
-    let pair = Pair::new(first, second);
-    if let Some(answer) = by_boxes(&pair, [first.radius, second.radius], clearance) {
+    if let Some(answer) = closed::nearness(first, second, clearance) {
         return answer;
     }
+    let pair = Pair::new(first, second);
     if is_turned {
         *known = known.turned();
     }
@@ -242,14 +225,4 @@ fn on_surfaces([p, q]: [[f64; 3]; 2], radius: [f64; 2]) -> [[f64; 3]; 2] {
     } else {
         [along(0.5 * (from_a + from_b)); 2]
     }
-}
-
-/// Returns a lower bound of the exact sum of a few numbers, given their rounded sum.
-pub(super) fn below(sum: f64) -> f64 {
-    sum - sum.abs() * super::gjk::SLACK
-}
-
-/// Returns an upper bound of the exact sum of a few numbers, given their rounded sum.
-pub(super) fn above(sum: f64) -> f64 {
-    sum + sum.abs() * super::gjk::SLACK
 }

@@ -3,6 +3,7 @@
 
 use super::facets::Facets;
 use super::posed::{Core, Posed, to_unit_entries, to_unit_length};
+use super::short_list::ShortList;
 use crate::math::vec3::{cross, dot, length, sub};
 
 /// Maximum sine of the angle between a facet's normal and a direction for the facet to count as
@@ -26,13 +27,21 @@ pub(super) struct Corner {
     pub(super) point: [f64; 3],
 }
 
+/// The corners of a facing part. The facets of boxes, and the parts of round cores, have at most
+/// eight.
+pub(super) type Corners = ShortList<Corner, 8>;
+
 /// The part that faces a direction: a convex polygon, a segment or a point, given by its corners in
 /// order.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct Facing {
-    pub(super) corners: Vec<Corner>,
+    pub(super) corners: Corners,
     /// Number of the facet. Meaningful only if there are more than two corners.
     pub(super) facet: u32,
+}
+
+fn no_corners() -> Corners {
+    ShortList::new(Corner { number: 0, point: [0.0; 3] })
 }
 
 /// Returns the part of a core that faces a direction of length 1 in the common frame. Facets are
@@ -85,7 +94,9 @@ impl Facets {
             let (number, local) = self.corners[corner as usize];
             Corner { number, point: set.spot(local).point }
         };
-        Facing { corners: self.outlines.list(facet).iter().map(corner).collect(), facet }
+        let mut corners = no_corners();
+        corners.extend(self.outlines.list(facet).iter().map(corner));
+        Facing { corners, facet }
     }
 }
 
@@ -109,7 +120,8 @@ fn of_polytope(set: &Posed<'_>, facets: &Facets, direction: [f64; 3]) -> Facing 
     let sine = |other: u32| dot(&direction, &to_unit_length(sub(&point(other), &point(farthest)))).abs();
     let edge = facets.neighbors.list(farthest).iter().map(|&other| (sine(other), other));
     let edge = edge.min_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1))).filter(|edge| edge.0 <= MAX_FACING_SINE);
-    let corners = std::iter::once(corner(farthest)).chain(edge.map(|(_, other)| corner(other))).collect();
+    let mut corners = no_corners();
+    corners.extend(std::iter::once(corner(farthest)).chain(edge.map(|(_, other)| corner(other))));
     Facing { corners, facet: 0 }
 }
 
@@ -124,7 +136,7 @@ fn of_round(set: &Posed<'_>, direction: [f64; 3]) -> Facing {
     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
     let near = SAME_PLACE_DISTANCE * set.reach();
     for tilt in TILTS {
-        let mut corners: Vec<Corner> = Vec::with_capacity(8);
+        let mut corners = no_corners();
         for (number, turn) in (0..).zip(TURNS) {
             let mut tilted = along;
             tilted[i] += tilt * turn[0];
@@ -138,7 +150,11 @@ fn of_round(set: &Posed<'_>, direction: [f64; 3]) -> Facing {
             return Facing { corners, facet: 0 };
         }
     }
-    Facing { corners: vec![Corner { number: 8, point: set.support(direction).point }], facet: 0 }
+    {
+        let mut corners = no_corners();
+        corners.push(Corner { number: 8, point: set.support(direction).point });
+        Facing { corners, facet: 0 }
+    }
 }
 
 /// Returns the vector area of a polygon times 2.

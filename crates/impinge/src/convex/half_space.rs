@@ -8,9 +8,9 @@
 //! `tests/it/shapes/surfaces.rs`.
 
 use super::depth::Depth;
-use super::distance::{Separation, above, below};
 use super::facet::rounded_direction;
 use super::facing::{Corner, facing};
+use super::interval::{Separation, above, below};
 use super::manifold::{Contact, Contacts, Faceted};
 use super::overlap::Feature;
 use super::posed::{Pair, Swept, to_unit_length};
@@ -24,15 +24,21 @@ use crate::volume::Proximity;
 /// A half-space in the world: the points on one side of a plane.
 #[derive(Clone, Debug)]
 pub(crate) struct HalfSpace<'a> {
-    /// The exact normal m, which points out of the half-space.
-    normal: [Dyadic; 3],
-    /// The exact level |det R| c. Points of the half-space have m·(x - t) of at most this level.
-    level: Dyadic,
+    /// The normal n and the level c in the frame of the half-space.
+    local: ([f64; 3], f64),
     /// The normal m divided by its greatest entry, and the level divided by the same entry. Each
     /// number is rounded once.
     direction: [f64; 3],
     rounded_level: f64,
     pose: &'a Pose,
+}
+
+/// The plane of a half-space in exact numbers.
+struct ExactPlane {
+    /// The exact normal m, which points out of the half-space.
+    normal: [Dyadic; 3],
+    /// The exact level |det R| c. Points of the half-space have m·(x - t) of at most this level.
+    level: Dyadic,
 }
 
 /// Signed distance of a shape above the half-space's plane: the least of m·(x - t) over |m|, minus
@@ -47,18 +53,51 @@ struct Start {
 impl<'a> HalfSpace<'a> {
     /// Builds the image of {v : normal·v ≤ level} under `pose`. The normal must not be zero.
     pub(crate) fn new(normal: [f64; 3], level: f64, pose: &'a Pose) -> Self {
-        let [x, y, z] = pose.linear().map(|row| row.map(Dyadic::from_f64));
+        let unscaled = Self { local: (normal, level), direction: [0.0; 3], rounded_level: 0.0, pose };
+        let (direction, rounded_level) = unscaled.turned().unwrap_or_else(|| {
+            let ExactPlane { normal, level } = unscaled.exact();
+            let direction = rounded_direction(&normal).unwrap_or([0.0; 3]);
+            let greatest = (0..3).find(|&k| direction[k].abs() == 1.0).unwrap_or(0);
+            let scale = Dyadic::nearest_quotient(&level, &normal[greatest]);
+            (direction, scale * direction[greatest])
+        });
+        Self { direction, rounded_level, ..unscaled }
+    }
+
+    /// Returns the half-space of [`new`](Self::new), given its direction and rounded level, which
+    /// [`rounded`](Self::rounded) returned.
+    pub(crate) fn known(local: ([f64; 3], f64), pose: &'a Pose, (direction, rounded_level): ([f64; 3], f64)) -> Self {
+        Self { local, direction, rounded_level, pose }
+    }
+
+    /// Returns the plane in exact numbers.
+    fn exact(&self) -> ExactPlane {
+        let [x, y, z] = self.pose.linear().map(|row| row.map(Dyadic::from_f64));
         // The rows of the cofactor matrix are cross products of the rows of R.
         let rows = [dyadic::cross(&y, &z), dyadic::cross(&z, &x), dyadic::cross(&x, &y)];
         let determinant = dyadic::dot(&rows[0], &x);
         let flip = if determinant.sign() == Sign::Negative { Dyadic::from_f64(-1.0) } else { Dyadic::from_f64(1.0) };
-        let local = normal.map(Dyadic::from_f64);
+        let local = self.local.0.map(Dyadic::from_f64);
         let normal = rows.each_ref().map(|row| &flip * &dyadic::dot(row, &local));
-        let level = &(&flip * &determinant) * &Dyadic::from_f64(level);
-        let direction = rounded_direction(&normal).unwrap_or([0.0; 3]);
-        let greatest = (0..3).find(|&k| direction[k].abs() == 1.0).unwrap_or(0);
-        let scale = Dyadic::nearest_quotient(&level, &normal[greatest]);
-        Self { rounded_level: scale * direction[greatest], normal, level, direction, pose }
+        let level = &(&flip * &determinant) * &Dyadic::from_f64(self.local.1);
+        ExactPlane { normal, level }
+    }
+
+    /// Returns the direction and the rounded level if the pose only permutes and mirrors the axes.
+    /// Then the exact normal has the numbers of the local one, and the determinant is ±1.
+    fn turned(&self) -> Option<([f64; 3], f64)> {
+        const MIN_EXACT_QUOTIENT: f64 = f64::from_bits((1023 - 500) << 52);
+        let linear = self.pose.linear();
+        if !linear.as_flattened().iter().all(|x| *x == 0.0 || x.abs() == 1.0) {
+            return None;
+        }
+        let (normal, level) = self.local;
+        let image = linear.map(|row| dot(&row, &normal));
+        let greatest = image.into_iter().fold(0.0_f64, |greatest, x| greatest.max(x.abs()));
+        let is_exact = |x: f64| x == 0.0 || x.abs() > MIN_EXACT_QUOTIENT;
+        let is_permutation = linear.iter().all(|row| row.iter().filter(|x| **x != 0.0).count() == 1);
+        (is_permutation && image.into_iter().all(is_exact) && is_exact(level))
+            .then(|| (image.map(|x| x / greatest + 0.0), level / greatest + 0.0))
     }
 
     /// Returns the normal in units of its greatest entry, the point that heights are measured from,
@@ -71,9 +110,11 @@ impl<'a> HalfSpace<'a> {
         let pair = self.pair(shape);
         let deepest = pair.b.support(self.direction.map(|x| -x));
         let [mut lower, mut upper] = self.height(&pair, &deepest.point);
-        if let Some(least) = self.least_height(shape).filter(|_| upper - lower > 1e-11 * upper.abs()) {
+        if upper - lower > 1e-11 * upper.abs()
+            && let Some((least, squared)) = self.least_height(shape)
+        {
             let sign = least.sign();
-            let [near, far] = root_bounds(&[least, dyadic::dot(&self.normal, &self.normal)]);
+            let [near, far] = root_bounds(&[least, squared]);
             [lower, upper] = match sign {
                 Sign::Positive => [near, far],
                 Sign::Zero => [0.0; 2],
@@ -153,16 +194,20 @@ impl<'a> HalfSpace<'a> {
         Contacts { normal, contacts: vec![Contact { points, lower, upper, features }] }
     }
 
-    /// Returns the least of m·(x - t), minus the level, over the core, exactly. Returns `None` if
-    /// the core is not a polytope.
-    fn least_height(&self, shape: &Swept<'_>) -> Option<Dyadic> {
+    /// Returns the exact least height m·(x - t) of a polytope's corner over the plane, less the
+    /// level, and the squared length of m. Returns `None` for any other core.
+    fn least_height(&self, shape: &Swept<'_>) -> Option<(Dyadic, Dyadic)> {
+        let corners = shape.core.corners()?;
+        let plane = self.exact();
         let origin = self.pose.translation().map(Dyadic::from_f64);
         let height = |corner: &[f64; 3]| {
             let point = world_point(shape.pose, corner);
-            &dyadic::dot(&self.normal, &[0, 1, 2].map(|k| &point[k] - &origin[k])) - &self.level
+            &dyadic::dot(&plane.normal, &[0, 1, 2].map(|k| &point[k] - &origin[k])) - &plane.level
         };
-        let heights = shape.core.corners()?.iter().map(height);
-        heights.reduce(|least, height| if (&height - &least).sign() == Sign::Negative { height } else { least })
+        let lower = |least: Dyadic, height: Dyadic| {
+            if (&height - &least).sign() == Sign::Negative { height } else { least }
+        };
+        Some((corners.iter().map(height).reduce(lower)?, dyadic::dot(&plane.normal, &plane.normal)))
     }
 
     /// Reports whether a shape is within `clearance` of this half-space, in world units. The
@@ -175,8 +220,7 @@ impl<'a> HalfSpace<'a> {
         if start.upper <= clearance {
             return Proximity::Intersects;
         }
-        let Some(least) = self.least_height(shape) else { return Proximity::Undecided };
-        let squared = dyadic::dot(&self.normal, &self.normal);
+        let Some((least, squared)) = self.least_height(shape) else { return Proximity::Undecided };
         let is_within = |end: usize| {
             let reach = &Dyadic::from_f64(shape.radius[end]) + &Dyadic::from_f64(clearance);
             let limit = &(&reach * &reach) * &squared;
@@ -215,22 +259,23 @@ impl<'a> HalfSpace<'a> {
     /// divisor. Returns `None` if they do not face each other; they then intersect wherever they
     /// are moved.
     fn facing_gap(&self, other: &HalfSpace<'_>) -> Option<[Dyadic; 2]> {
-        let crossed = dyadic::cross(&self.normal, &other.normal);
+        let (plane, across) = (self.exact(), other.exact());
+        let crossed = dyadic::cross(&plane.normal, &across.normal);
         if crossed.iter().any(|x| x.sign() != Sign::Zero)
-            || dyadic::dot(&self.normal, &other.normal).sign() == Sign::Positive
+            || dyadic::dot(&plane.normal, &across.normal).sign() == Sign::Positive
         {
             return None;
         }
         // The other's plane, along this normal: m_B = -λ m_A, and m_B·(x - t_B) = l_B there.
         // Multiplied by |m_A| |m_B|: with s = m_A·m_B < 0, m_A·(x - t_A) = (s / m_B²) l_B +
         // m_A·(t_B - t_A).
-        let along = dyadic::dot(&self.normal, &other.normal);
-        let squared_b = dyadic::dot(&other.normal, &other.normal);
+        let along = dyadic::dot(&plane.normal, &across.normal);
+        let squared_b = dyadic::dot(&across.normal, &across.normal);
         let offset = [0, 1, 2]
             .map(|k| &Dyadic::from_f64(other.pose.translation()[k]) - &Dyadic::from_f64(self.pose.translation()[k]));
-        let there = &(&along * &other.level) + &(&squared_b * &dyadic::dot(&self.normal, &offset));
-        let gap = &there - &(&squared_b * &self.level);
-        let squared_a = dyadic::dot(&self.normal, &self.normal);
+        let there = &(&along * &across.level) + &(&squared_b * &dyadic::dot(&plane.normal, &offset));
+        let gap = &there - &(&squared_b * &plane.level);
+        let squared_a = dyadic::dot(&plane.normal, &plane.normal);
         Some([gap, &(&squared_b * &squared_b) * &squared_a])
     }
 

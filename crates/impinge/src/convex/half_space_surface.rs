@@ -4,8 +4,8 @@ use std::ops::ControlFlow::{self, Continue};
 
 use super::HalfSpace;
 use super::depth::Depth;
-use super::distance::Separation;
 use super::facing::Corner;
+use super::interval::Separation;
 use super::manifold::Contacts;
 use super::posed::{Core, Pair, Swept};
 use super::surface::{Surface, corners_of_box};

@@ -15,11 +15,12 @@
 //! The tests are in `tests/it/shapes/contacts.rs`.
 
 use super::depth::{Effort, depth_in_order};
-use super::distance::{above, below};
 use super::facets::Facets;
 use super::facing::{Facing, facet_normals, facing, facing_facets};
-use super::overlap::{Feature, Over, is_one_place, overlap, shadow_tolerance};
-use super::posed::{Pair, Posed, Swept};
+use super::interval::{above, below};
+use super::overlap::{Feature, Over, Places, is_one_place, overlap, shadow_tolerance};
+use super::posed::{Core, Pair, Posed, Swept};
+use super::short_list::ShortList;
 use crate::math::relative::UNIT_ROUNDOFF;
 use crate::math::vec3::dot;
 
@@ -115,20 +116,27 @@ fn overlapping(pair: &Pair<'_>, shapes: [&Faceted<'_>; 2], normal: [f64; 3], mar
 
 /// Returns the features that face each other along a direction, and the places where the facing
 /// parts lie over each other. Of several facing facets the first names the feature.
-fn facing_overlap(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3]) -> ([Feature; 2], Vec<Over>) {
+fn facing_overlap(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3]) -> ([Feature; 2], Places) {
+    let mut over = Over::none();
+    if let (Core::Points([p]), Core::Points([q])) = (pair.a.core(), pair.b.core()) {
+        // The points are always the deepest ones, so no parts need to be compared.
+        let features = [Feature::Vertex(0); 2];
+        over.push(Over { points: [pair.a.spot(*p).point, pair.b.spot(*q).point], features });
+        return (features, over);
+    }
     let near = shadow_tolerance(pair, smaller_size(pair, [a, b]));
     let opposite = normal.map(|x| -x);
     if !a.has_all_facets && !b.has_all_facets {
         // One part of each faces the other, as for almost all shapes, so no lists are needed.
         let (part_a, part_b) = (facing(&pair.a, a.facets, *normal), facing(&pair.b, b.facets, opposite));
-        return ([part_a.feature(), part_b.feature()], overlap(&part_a, &part_b, normal, near));
+        overlap(&part_a, &part_b, normal, near, &mut over);
+        return ([part_a.feature(), part_b.feature()], over);
     }
     let facing_a = all_facing(&pair.a, a, *normal);
     let facing_b = all_facing(&pair.b, b, opposite);
-    let mut over = Vec::new();
     for part_a in &facing_a {
         for part_b in &facing_b {
-            over.extend(overlap(part_a, part_b, normal, near));
+            overlap(part_a, part_b, normal, near, &mut over);
         }
     }
     ([facing_a[0].feature(), facing_b[0].feature()], over)
@@ -181,16 +189,17 @@ fn smaller_size(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2]) -> f64 {
 
 /// Converts points over each other to contacts, the deepest first. Of several contacts in one
 /// place, or with the same features, only the deepest is kept.
-fn measured(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3], over: Vec<Over>) -> Vec<Contact> {
+fn measured(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3], over: Places) -> Vec<Contact> {
     let height = |over: &Over| dot(normal, &over.points[0]) - dot(normal, &over.points[1]);
     let error = heights_error(pair);
     let near = shadow_tolerance(pair, smaller_size(pair, [a, b]));
-    let mut sorted: Vec<(f64, Over)> = over.into_iter().map(|over| (height(&over), over)).collect();
-    sorted.sort_by(|x, y| y.0.total_cmp(&x.0).then(rank(&x.1).cmp(&rank(&y.1))));
+    let mut sorted = over;
+    sorted.sort_by(|x, y| height(y).total_cmp(&height(x)).then_with(|| rank(x).cmp(&rank(y))));
     let (radius_a, radius_b) = (a.swept.radius, b.swept.radius);
-    let mut places: Vec<[f64; 3]> = Vec::new();
-    let mut contacts = Vec::new();
-    for (height, Over { points, features }) in sorted {
+    let mut places = ShortList::<[f64; 3], 8>::new([0.0; 3]);
+    let mut contacts = Vec::with_capacity(sorted.len());
+    for over in &*sorted {
+        let (height, Over { points, features }) = (height(over), *over);
         let is_named = contacts.iter().any(|contact: &Contact| contact.features == features);
         if is_named || places.iter().any(|place| is_one_place(place, &points[0], near)) {
             continue;

@@ -8,19 +8,19 @@
 //! - `min_norm` computes the least distance of polytopes exactly, if that interval is not enough;
 //! - `depth` computes an interval that holds the depth, with a normal that is valid whatever
 //!   rounding does;
-//! - `boxes` decides intersection and depth of two boxes in closed form, if floats are certain;
+//! - `closed` answers for spheres, capsules and boxes in closed form, if floats are certain;
 //! - `half_space` compares shapes with planes;
 //! - `manifold` computes the points of a contact, from the `facets` of polytopes, the parts
 //!   `facing` along the normal, and their `overlap`; `reduction` keeps a few of them;
 //! - `piece` divides the touched part of a mesh into convex pieces, whose contacts
 //!   `surface_contacts` returns.
 //!
-//! The errors are derived in docs/notes/proof.md, L20 to L22, L28 and L29. The tests are in
-//! `tests/it/shapes`, and the benchmark is `shapes` in `impinge-bench`.
+//! The errors are derived in docs/notes/proof.md, L20 to L22, L28, L29, L33 and L35. The tests are
+//! in `tests/it/shapes`, and the benchmark is `shapes` in `impinge-bench`.
 
 mod around;
 mod bounds;
-mod boxes;
+mod closed;
 mod core_depth;
 mod depth;
 mod distance;
@@ -31,24 +31,30 @@ mod facing;
 mod gjk;
 mod half_space;
 mod half_space_surface;
+mod interval;
 mod manifold;
 mod min_norm;
 mod overlap;
 mod piece;
 mod posed;
 mod reduction;
+mod short_list;
 mod simplex;
+mod support;
 mod surface;
 mod surface_contacts;
+mod turned;
 
 pub(crate) use depth::{Depth, depth};
-pub(crate) use distance::{Coherence, Separation, nearness, nearness_from, parting, separation};
+pub(crate) use distance::{Coherence, nearness, nearness_from, parting, separation};
 pub(crate) use facets::Facets;
 pub(crate) use half_space::HalfSpace;
+pub(crate) use interval::Separation;
 pub(crate) use manifold::{Contact, Contacts, Faceted, contacts, contacts_along_facets};
 pub use overlap::Feature;
 pub(crate) use piece::{Body, Found, OrientedFace, contacts_of_bodies, pieces, unresolved};
-pub use posed::Support;
 pub(crate) use posed::{Core, Swept, to_unit_entries, to_unit_length};
 pub(crate) use simplex::nearest as nearest_of_hull;
+pub use support::Support;
 pub(crate) use surface::Surface;
+pub(crate) use turned::Turned;

@@ -11,6 +11,7 @@
 
 use super::facing::{Corner, Facing};
 use super::posed::Pair;
+use super::short_list::ShortList;
 use crate::math::vec3::{cross, dot, length, sub};
 
 /// Maximum distance in the shadows, relative to the smaller set, of points that count as lying over
@@ -49,19 +50,29 @@ pub(super) struct Over {
     pub(super) features: [Feature; 2],
 }
 
-/// Returns the places where two facing polygons lie over each other along a normal of length 1.
-/// `near` is the tolerance of the shadows.
-pub(super) fn overlap(a: &Facing, b: &Facing, normal: &[f64; 3], near: f64) -> Vec<Over> {
+/// The places where two facing polygons lie over each other. Two rectangles have at most eight
+/// places.
+pub(super) type Places = ShortList<Over, 8>;
+
+impl Over {
+    /// Returns an empty list of places.
+    pub(super) fn none() -> Places {
+        ShortList::new(Self { points: [[0.0; 3]; 2], features: [Feature::Vertex(0); 2] })
+    }
+}
+
+/// Adds the places where two facing polygons lie over each other along a normal of length 1 to
+/// `found`. `near` is the tolerance of the shadows.
+pub(super) fn overlap(a: &Facing, b: &Facing, normal: &[f64; 3], near: f64, found: &mut Places) {
     let axes = across(normal);
     let (a, b) = (Shadow::new(a, &axes, near), Shadow::new(b, &axes, near));
-    let mut found = Vec::new();
-    for (at, corner) in a.at.iter().zip(&a.facing.corners) {
+    for (at, corner) in a.at.iter().zip(a.facing.corners.iter()) {
         if let Some(point) = b.point_at(at) {
             let features = [Feature::Vertex(corner.number), b.facing.feature()];
             found.push(Over { points: [corner.point, point], features });
         }
     }
-    for (at, corner) in b.at.iter().zip(&b.facing.corners) {
+    for (at, corner) in b.at.iter().zip(b.facing.corners.iter()) {
         if let Some(point) = a.point_at(at) {
             let features = [a.facing.feature(), Feature::Vertex(corner.number)];
             found.push(Over { points: [point, corner.point], features });
@@ -75,7 +86,6 @@ pub(super) fn overlap(a: &Facing, b: &Facing, normal: &[f64; 3], near: f64) -> V
             }
         }
     }
-    found
 }
 
 impl Facing {
@@ -92,7 +102,7 @@ impl Facing {
 /// A facing polygon seen along the normal.
 struct Shadow<'f> {
     facing: &'f Facing,
-    at: Vec<[f64; 2]>,
+    at: ShortList<[f64; 2], 8>,
     /// 1 if the corners turn left, -1 if they turn right.
     turn: f64,
     /// Distance up to which places count as one.
@@ -101,7 +111,8 @@ struct Shadow<'f> {
 
 impl<'f> Shadow<'f> {
     fn new(facing: &'f Facing, [x, y]: &[[f64; 3]; 2], near: f64) -> Self {
-        let at = facing.corners.iter().map(|corner| [dot(x, &corner.point), dot(y, &corner.point)]).collect();
+        let mut at = ShortList::new([0.0; 2]);
+        at.extend(facing.corners.iter().map(|corner| [dot(x, &corner.point), dot(y, &corner.point)]));
         let mut shadow = Self { facing, at, turn: 0.0, near };
         let doubled_area: f64 = shadow.edges().map(|[from, to]| wedge(shadow.at[from], shadow.at[to])).sum();
         shadow.turn = doubled_area.signum();

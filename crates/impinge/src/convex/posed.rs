@@ -5,40 +5,26 @@
 
 use std::cell::Cell;
 use std::cmp::Ordering;
-use std::fmt;
 
+use super::support::Support;
+use super::turned::Turned;
 use crate::hull::Hull;
 use crate::math::Pose;
 use crate::math::relative::{Offset, UNDERFLOW, UNIT_ROUNDOFF};
 use crate::math::vec3::{dot, length};
-
-/// A convex set in its own frame, defined by its support function.
-///
-/// A returned coordinate outside [`reach`](Self::reach) is clamped to it, and NaN becomes zero. So
-/// a wrong function gives wrong answers, but never a NaN, a panic or an endless loop.
-pub trait Support: fmt::Debug + Send + Sync {
-    /// Returns a point of the set that is farthest along `direction`, both in the set's own frame.
-    /// The direction is finite, and its entry of greatest magnitude is ±1, or it is zero. For zero,
-    /// any point of the set will do.
-    ///
-    /// # Accuracy
-    /// Answers are proved for functions whose point is wrong by at most 2^-50 of
-    /// [`reach`](Self::reach) on each axis, and whose product with the direction is as close to the
-    /// greatest one.
-    fn support(&self, direction: [f64; 3]) -> [f64; 3];
-
-    /// Returns an upper bound on the magnitude of the set's coordinates on each axis, in the set's
-    /// own frame.
-    fn reach(&self) -> [f64; 3];
-}
 
 /// A convex shape without its radius.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Core<'a> {
     /// The convex hull of a few points.
     Points(&'a [[f64; 3]]),
+    /// A box about the origin of its frame, by its eight corners. Bit k of a corner's index is set
+    /// on the positive side of axis k, so the last corner has the half-extents.
+    Cuboid(&'a [[f64; 3]]),
     /// A polytope with the adjacency of its vertices.
     Hull(&'a Hull),
+    /// A cylinder or a cone.
+    Turned(&'a Turned),
     /// Any other convex set.
     Curved(&'a dyn Support),
 }
@@ -97,21 +83,30 @@ impl Core<'_> {
     /// frame.
     pub(crate) fn reach(&self) -> [f64; 3] {
         match self {
+            Self::Cuboid(corners) => corners.last().copied().unwrap_or([0.0; 3]),
             Self::Points(points) => points
                 .iter()
                 .fold([0.0; 3], |reach: [f64; 3], point| std::array::from_fn(|k| reach[k].max(point[k].abs()))),
             Self::Hull(hull) => hull.reach(),
+            Self::Turned(set) => set.reach(),
             Self::Curved(set) => set.reach(),
+        }
+    }
+
+    /// Returns numbers that differ for most cores that are not equal.
+    fn numbers(&self) -> [[f64; 3]; 3] {
+        match self {
+            Self::Points(_) | Self::Cuboid(_) | Self::Hull(_) => [self.reach(), [0.0; 3], [0.0; 3]],
+            Self::Turned(_) | Self::Curved(_) => {
+                [self.reach(), self.farthest([1.0, 0.5, 0.75], 0).0, self.farthest([0.75, 0.5, -1.0], 0).0]
+            }
         }
     }
 
     /// Returns a point of the core in its own frame.
     pub(super) fn point(&self) -> [f64; 3] {
         match self {
-            Self::Curved(set) => {
-                let (found, reach) = (set.support([1.0, 0.0, 0.0]), set.reach());
-                std::array::from_fn(|k| if found[k].is_nan() { 0.0 } else { found[k].clamp(-reach[k], reach[k]) })
-            }
+            Self::Turned(_) | Self::Curved(_) => self.farthest([1.0, 0.0, 0.0], 0).0,
             _ => self.corners().and_then(|corners| corners.first().copied()).unwrap_or([0.0; 3]),
         }
     }
@@ -121,7 +116,7 @@ impl Core<'_> {
     #[inline]
     pub(crate) fn farthest(&self, along: [f64; 3], vertex: u32) -> ([f64; 3], u32) {
         match self {
-            Self::Points(points) => {
+            Self::Points(points) | Self::Cuboid(points) => {
                 let mut best = (f64::NEG_INFINITY, [0.0; 3]);
                 for point in *points {
                     let found = dot(&along, point);
@@ -135,6 +130,7 @@ impl Core<'_> {
                 let vertex = hull.support_from(along, vertex);
                 (hull.positions()[vertex as usize], vertex)
             }
+            Self::Turned(set) => (set.support(along), 0),
             Self::Curved(set) => {
                 let (found, reach) = (set.support(along), set.reach());
                 (std::array::from_fn(|k| if found[k].is_nan() { 0.0 } else { found[k].clamp(-reach[k], reach[k]) }), 0)
@@ -145,9 +141,9 @@ impl Core<'_> {
     /// Returns the corners of a polytope, or `None` for any other core.
     pub(crate) fn corners(&self) -> Option<&[[f64; 3]]> {
         match self {
-            Self::Points(points) => Some(points),
+            Self::Points(points) | Self::Cuboid(points) => Some(points),
             Self::Hull(hull) => Some(hull.positions()),
-            Self::Curved(_) => None,
+            Self::Turned(_) | Self::Curved(_) => None,
         }
     }
 }
@@ -161,8 +157,11 @@ impl Swept<'_> {
         if let Some(order) = here.iter().zip(there).map(|(x, y)| x.total_cmp(y)).find(|order| order.is_ne()) {
             return order.is_le();
         }
-        let order =
-            self.numbers().iter().zip(other.numbers()).map(|(x, y)| x.total_cmp(&y)).find(|order| order.is_ne());
+        let numbers = |shape: &Self| {
+            let linear = *shape.pose.linear();
+            linear.into_iter().flatten().chain(shape.radius).chain(shape.core.numbers().into_iter().flatten())
+        };
+        let order = numbers(self).zip(numbers(other)).map(|(x, y)| x.total_cmp(&y)).find(|order| order.is_ne());
         let order = order.or_else(|| {
             let (corners, others) = (self.core.corners()?.as_flattened(), other.core.corners()?.as_flattened());
             Some(corners.len().cmp(&others.len()).then_with(|| {
@@ -171,16 +170,6 @@ impl Swept<'_> {
             }))
         });
         order.is_none_or(Ordering::is_le)
-    }
-
-    fn numbers(&self) -> Vec<f64> {
-        let linear = self.pose.linear().as_flattened();
-        let mut numbers = [&self.pose.translation()[..], linear, &self.radius[..], &self.core.reach()[..]].concat();
-        if let Core::Curved(set) = self.core {
-            numbers.extend(set.support([1.0, 0.5, 0.75]));
-            numbers.extend(set.support([0.75, 0.5, -1.0]));
-        }
-        numbers
     }
 }
 

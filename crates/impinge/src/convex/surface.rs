@@ -10,7 +10,8 @@
 use std::cell::Cell;
 use std::ops::ControlFlow::{self, Break, Continue};
 
-use super::distance::{Separation, above, below, nearness, separation};
+use super::distance::{nearness, separation};
+use super::interval::{Separation, above, below};
 use super::posed::{Core, Pair, Swept, to_unit_length};
 use crate::exact::{Placement, PosedPoint, Spot};
 use crate::math::Pose;

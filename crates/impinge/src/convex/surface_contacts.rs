@@ -14,7 +14,8 @@
 
 use std::ops::ControlFlow::{self, Continue};
 
-use super::distance::{above, below, nearness};
+use super::distance::nearness;
+use super::interval::{above, below};
 use super::manifold::{Contact, Contacts, Faceted, contacts};
 use super::overlap::Feature;
 use super::piece::{Body, Found, OrientedFace, contacts_of_bodies, pieces, unresolved};

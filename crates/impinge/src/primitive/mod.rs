@@ -32,5 +32,5 @@ pub use triangles::closest_on_triangles;
 
 pub(crate) use closest::CLOSED_FORM_ERROR;
 pub(crate) use points::point_triangle;
-pub(crate) use products::accurate_sum_of_products;
+pub(crate) use products::{accurate_cross, accurate_sum_of_products};
 pub(crate) use triangles::{Witness, common_point, separation, triangle_triangle};

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::corners::Corners;
 use super::kind::{Kind, RoundCore, Shape};
-use super::round::{Cone, Cylinder, Ellipsoid};
-use crate::convex::Support;
+use super::round::Ellipsoid;
+use crate::convex::{Support, Turned};
 use crate::hull::Hull;
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
@@ -51,8 +51,7 @@ impl Shape {
     /// As for [`sphere`](Self::sphere).
     pub fn cuboid(half_extents: [f64; 3]) -> Result<Self, InputError> {
         check_lengths("half-extent", &half_extents)?;
-        let corner = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 1 { half_extents[k] } else { -half_extents[k] });
-        Self::few("corner", &[0, 1, 2, 3, 4, 5, 6, 7].map(corner))
+        Ok(Self(Kind::Polytope(Corners::cuboid(half_extents))))
     }
 
     /// Returns a cylinder about the z axis of the shape's frame, from z = -`half_height` to z =
@@ -63,7 +62,7 @@ impl Shape {
     pub fn cylinder(half_height: f64, radius: f64) -> Result<Self, InputError> {
         check_lengths("half-height", &[half_height])?;
         check_lengths("radius", &[radius])?;
-        Ok(Self::curved(Arc::new(Cylinder { half_height, radius })))
+        Ok(Self::turned(Turned { half_height, radius, is_cone: false }))
     }
 
     /// Returns a cone about the z axis of the shape's frame. Its base has the given radius and lies
@@ -74,7 +73,7 @@ impl Shape {
     pub fn cone(half_height: f64, radius: f64) -> Result<Self, InputError> {
         check_lengths("half-height", &[half_height])?;
         check_lengths("radius", &[radius])?;
-        Ok(Self::curved(Arc::new(Cone { half_height, radius })))
+        Ok(Self::turned(Turned { half_height, radius, is_cone: true }))
     }
 
     /// Returns an ellipsoid about the origin of the shape's frame, with its axes along the
@@ -266,6 +265,11 @@ impl Shape {
     fn few(what: &'static str, points: &[[f64; 3]]) -> Result<Self, InputError> {
         check_points(what, points)?;
         Ok(Self(Kind::Polytope(Corners::few(points))))
+    }
+
+    /// Returns a cylinder or a cone.
+    fn turned(set: Turned) -> Self {
+        Self(Kind::Round { core: RoundCore::Turned(set), radius: 0.0 })
     }
 
     /// Returns a shape of a round set without a radius.

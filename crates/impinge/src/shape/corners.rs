@@ -11,6 +11,8 @@ use crate::simd::prefetch;
 #[derive(Clone, Debug)]
 pub(super) enum Corners {
     Few(Arc<Faceted<Box<[[f64; 3]]>>>),
+    /// The eight corners of a box about the origin, in the order of [`Core::Cuboid`].
+    Cuboid(Arc<Faceted<Box<[[f64; 3]]>>>),
     Hull(Arc<Faceted<Arc<Hull>>>),
 }
 
@@ -33,6 +35,12 @@ impl Corners {
         Self::Few(Arc::new(Faceted::new(points.into())))
     }
 
+    /// Returns the corners of a box about the origin. The half-extents must be validated.
+    pub(super) fn cuboid(half_extents: [f64; 3]) -> Self {
+        let corner = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 1 { half_extents[k] } else { -half_extents[k] });
+        Self::Cuboid(Arc::new(Faceted::new(Box::new([0, 1, 2, 3, 4, 5, 6, 7].map(corner)))))
+    }
+
     pub(super) fn hull(hull: Arc<Hull>) -> Self {
         Self::Hull(Arc::new(Faceted::new(hull)))
     }
@@ -40,6 +48,7 @@ impl Corners {
     pub(super) fn core(&self) -> Core<'_> {
         match self {
             Self::Few(few) => Core::Points(&few.corners),
+            Self::Cuboid(few) => Core::Cuboid(&few.corners),
             Self::Hull(hull) => Core::Hull(&hull.corners),
         }
     }
@@ -47,14 +56,14 @@ impl Corners {
     /// Prefetches the pointer to the corners.
     pub(super) fn prefetch(&self) {
         match self {
-            Self::Few(few) => prefetch(&few.corners),
+            Self::Few(few) | Self::Cuboid(few) => prefetch(&few.corners),
             Self::Hull(hull) => prefetch(&hull.corners),
         }
     }
 
     pub(super) fn facets(&self) -> Option<&Facets> {
         match self {
-            Self::Few(few) => few.facets.get_or_init(|| Facets::of_points(&few.corners)).as_ref(),
+            Self::Few(few) | Self::Cuboid(few) => few.facets.get_or_init(|| Facets::of_points(&few.corners)).as_ref(),
             Self::Hull(hull) => hull.facets.get_or_init(|| Some(Facets::of_hull(&hull.corners))).as_ref(),
         }
     }

@@ -5,6 +5,6 @@ use crate::convex::{HalfSpace, Surface, Swept};
 /// Representation of a placed shape, or of a part of a compound, in a query.
 pub(crate) enum Form<'a> {
     Convex(Swept<'a>),
-    HalfSpace(Box<HalfSpace<'a>>),
+    HalfSpace(HalfSpace<'a>),
     Surface(Surface<'a>),
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::corners::Corners;
-use crate::convex::Support;
+use crate::convex::{Support, Turned};
 use crate::math::Pose;
 use crate::mesh::Mesh;
 
@@ -43,5 +43,6 @@ pub(super) enum Kind {
 #[derive(Clone, Debug)]
 pub(super) enum RoundCore {
     Few(Corners),
+    Turned(Turned),
     Curved(Arc<dyn Support>),
 }

@@ -47,14 +47,31 @@ pub(crate) struct Stand {
     /// Radius of a sphere that the image of the shape's sphere contains, and of a sphere that
     /// contains the image.
     pub(super) radius: [f64; 2],
-    /// Box in the world frame that contains the shape, if it is bounded.
-    pub(super) bounds: Option<[[f64; 3]; 2]>,
+    /// Box that contains the shape, or the plane of a half-space.
+    pub(super) bounds: Bounds,
+}
+
+/// Bounds of a shape in the world frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Bounds {
+    /// A box that contains the shape.
+    Box([[f64; 3]; 2]),
+    /// The plane of a half-space: its direction, and its level along it.
+    Plane([f64; 3], f64),
+    /// Nothing: the shape contains a half-space, or it is empty.
+    Unknown,
+}
+
+impl Bounds {
+    fn of(bounds: Option<[[f64; 3]; 2]>) -> Self {
+        bounds.map_or(Self::Unknown, Self::Box)
+    }
 }
 
 impl Stand {
     /// Returns a pose without the values that follow from it.
     pub(super) fn at(world_from_local: Pose) -> Self {
-        Self { world_from_local, radius: [0.0; 2], bounds: None }
+        Self { world_from_local, radius: [0.0; 2], bounds: Bounds::Unknown }
     }
 
     pub(crate) fn world_from_local(&self) -> &Pose {
@@ -63,7 +80,10 @@ impl Stand {
 
     /// Returns the box of the shape, as [`PlacedShape::bounds`] does.
     pub(crate) fn bounds(&self) -> Option<[[f64; 3]; 2]> {
-        self.bounds
+        match self.bounds {
+            Bounds::Box(bounds) => Some(bounds),
+            Bounds::Plane(..) | Bounds::Unknown => None,
+        }
     }
 }
 
@@ -89,7 +109,7 @@ impl Shape {
         let mut placed = PlacedShape { kind: self.0.clone(), stand: Stand::at(world_from_local), parts };
         match placed.stand_at(&world_from_local)? {
             Some(stand) => placed.stand = stand,
-            None => placed.stand.bounds = placed.world_bounds(),
+            None => placed.stand.bounds = Bounds::of(placed.world_bounds()),
         }
         Ok(placed)
     }
@@ -127,7 +147,7 @@ impl PlacedShape {
     /// Returns `None` if the shape is or contains a half-space, or if it is empty.
     #[must_use]
     pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
-        self.stand.bounds
+        self.stand.bounds()
     }
 
     /// Returns the pose and the values that follow from it.
@@ -177,9 +197,12 @@ impl PlacedShape {
             Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. } => {}
         }
         stand.bounds = match self.form_at(&stand) {
-            Form::Convex(swept) => Some(swept.world_bounds()),
-            Form::Surface(surface) => surface.world_bounds(),
-            Form::HalfSpace(_) => None,
+            Form::Convex(swept) => Bounds::Box(swept.world_bounds()),
+            Form::Surface(surface) => Bounds::of(surface.world_bounds()),
+            Form::HalfSpace(plane) => {
+                let (direction, _, level) = plane.rounded();
+                Bounds::Plane(direction, level)
+            }
         };
         Ok(Some(stand))
     }
@@ -199,7 +222,7 @@ impl PlacedShape {
     /// Prefetches a few corners. This reads the pointer to them.
     pub(crate) fn prefetch_corners(&self) {
         if let Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } = &self.kind
-            && let Core::Points(points) = corners.core()
+            && let Core::Points(points) | Core::Cuboid(points) = corners.core()
         {
             points.iter().take(MAX_PREFETCHED_CORNERS).step_by(2).for_each(prefetch);
         }
@@ -216,9 +239,13 @@ impl PlacedShape {
         let (pose, radius) = (&stand.world_from_local, stand.radius);
         let core = match &self.kind {
             Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.core(),
+            Kind::Round { core: RoundCore::Turned(set), .. } => Core::Turned(set),
             Kind::Round { core: RoundCore::Curved(set), .. } => Core::Curved(&**set),
             Kind::HalfSpace { normal, level } => {
-                return Form::HalfSpace(Box::new(HalfSpace::new(*normal, *level, pose)));
+                return Form::HalfSpace(match stand.bounds {
+                    Bounds::Plane(direction, along) => HalfSpace::known((*normal, *level), pose, (direction, along)),
+                    Bounds::Box(_) | Bounds::Unknown => HalfSpace::new(*normal, *level, pose),
+                });
             }
             Kind::Mesh { mesh, is_solid } => return Form::Surface(Surface { mesh, pose, is_solid: *is_solid }),
             Kind::Compound(_) => return self.parts()[0].form(),
@@ -275,7 +302,7 @@ impl From<PlacedMesh<'_>> for PlacedShape {
     fn from(placed: PlacedMesh<'_>) -> Self {
         let kind = Kind::Mesh { mesh: placed.mesh.clone(), is_solid: placed.is_solid };
         let mut shape = Self { kind, stand: Stand::at(placed.world_from_mesh), parts: None };
-        shape.stand.bounds = shape.world_bounds();
+        shape.stand.bounds = Bounds::of(shape.world_bounds());
         shape
     }
 }

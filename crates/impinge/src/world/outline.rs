@@ -141,10 +141,10 @@ fn points(shape: &Shape) -> Result<Vec<[f64; 3]>, InputError> {
         Form::HalfSpace(_) => Vec::new(),
         Form::Surface(surface) => corners(surface.mesh),
         Form::Convex(swept) => match swept.core {
-            Core::Points(points) => points.to_vec(),
+            Core::Points(points) | Core::Cuboid(points) => points.to_vec(),
             Core::Hull(hull) => hull.positions().to_vec(),
-            Core::Curved(set) => {
-                let reach = set.reach();
+            Core::Turned(_) | Core::Curved(_) => {
+                let reach = swept.core.reach();
                 (0..8).map(|i| [0, 1, 2].map(|k| if i >> k & 1 == 1 { reach[k] } else { -reach[k] })).collect()
             }
         },

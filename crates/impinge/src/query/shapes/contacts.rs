@@ -2,7 +2,7 @@
 
 use super::seams::{OfParts, across_seams, remove_buried};
 use super::search::depth_by_search;
-use super::table::{nearness_of_parts, pairs_near, surface_of};
+use super::table::{gap_of_boxes, nearness_of_parts, pairs_near, surface_of};
 use crate::budget::Budget;
 pub use crate::convex::Feature;
 use crate::convex::{self, Contact, Contacts, Depth, Surface, to_unit_length as unit};
@@ -123,6 +123,12 @@ impl Query<'_> {
 /// budget is spent, some are missing.
 fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Budget<'_>) -> Vec<OfParts> {
     let mut found = Vec::new();
+    if let ([a], [b]) = (a.parts(), b.parts()) {
+        if !budget.is_spent() && gap_of_boxes(a, b) <= margin && nearness_of_parts(a, b, margin) != Proximity::Apart {
+            found.extend(contacts_of_parts(a, b, margin, budget).into_iter().map(|contacts| ([0; 2], contacts)));
+        }
+        return found;
+    }
     for numbers in pairs_near(a, b, margin) {
         if budget.is_spent() {
             break;

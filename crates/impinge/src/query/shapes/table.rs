@@ -170,8 +170,8 @@ fn near_pair(a: &PlacedShape, b: &PlacedShape) -> Option<[u32; 2]> {
 /// Returns a lower bound of the gap between the boxes of two parts; zero if one has no box.
 pub(super) fn gap_of_boxes(a: &PlacedShape, b: &PlacedShape) -> f64 {
     let (Some([min_a, max_a]), Some([min_b, max_b])) = (a.bounds(), b.bounds()) else { return 0.0 };
-    let gap = |k: usize| f64::max(min_b[k] - max_a[k], min_a[k] - max_b[k]).next_down();
-    (0..3).map(gap).fold(0.0, f64::max)
+    let gap = |k: usize| f64::max(min_b[k] - max_a[k], min_a[k] - max_b[k]);
+    gap(0).max(gap(1)).max(gap(2)).next_down().max(0.0)
 }
 
 /// Returns the surface of a mesh, whether it is solid or not.
