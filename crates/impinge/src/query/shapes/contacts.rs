@@ -125,7 +125,7 @@ fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Budge
     let mut found = Vec::new();
     if let ([a], [b]) = (a.parts(), b.parts()) {
         if !budget.is_spent() && gap_of_boxes(a, b) <= margin && nearness_of_parts(a, b, margin) != Proximity::Apart {
-            found.extend(contacts_of_parts(a, b, margin, budget).into_iter().map(|contacts| ([0; 2], contacts)));
+            found.extend(contacts_of_parts(a, b, margin, budget).into_iter().map(OfParts::alone));
         }
         return found;
     }

@@ -37,6 +37,11 @@ pub(super) struct OfParts {
 }
 
 impl OfParts {
+    /// Returns the contacts of two shapes of one part each.
+    pub(super) fn alone(contacts: Contacts) -> Self {
+        Self { numbers: [0; 2], contacts, buried_by: Default::default() }
+    }
+
     fn is_buried(&self) -> bool {
         self.buried_by.iter().any(|points| !points.is_empty())
     }
@@ -60,9 +65,7 @@ pub(super) fn remove_buried(found: &mut Vec<OfParts>) {
 /// buried by those along the normal of a facet that is not.
 pub(super) fn across_seams(shapes: [&PlacedShape; 2], numbers: [u32; 2], contacts: Contacts, margin: f64) -> OfParts {
     let parts = [0, 1].map(|side| &shapes[side].parts()[numbers[side] as usize]);
-    let may_be_buried = shapes.iter().any(|shape| shape.parts().len() > 1)
-        && !parts.iter().any(|part| matches!(part.form(), Form::HalfSpace(_)));
-    if !may_be_buried {
+    if parts.iter().any(|part| matches!(part.form(), Form::HalfSpace(_))) {
         return OfParts { numbers, contacts, buried_by: Default::default() };
     }
     let step = BESIDE * size(parts[0]).min(size(parts[1]));
