@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,6 +103,17 @@ class Bodies(Ragged[NDArray[np.uint64]]):
         return f"Bodies(shape={self.shape}, {len(self.handles)} found)"
 
 
+RayColumns: TypeAlias = tuple[
+    NDArray[np.float64],
+    NDArray[np.uint64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.int64],
+    NDArray[np.int64],
+]
+"""Columns of ray hits: `t`, `body`, `point`, `normal`, `part` and `face`."""
+
+
 @dataclass(frozen=True, eq=False)
 class BodyRayHit:
     """Hits of rays on bodies of a world; plain numbers for the first hit of a single ray.
@@ -172,16 +183,16 @@ class BodyRayHits(Ragged[BodyRayHit]):
     def _rows(self, entries: slice, offsets: NDArray[np.int64], shape: tuple[int, ...]) -> BodyRayHits:
         return BodyRayHits(offsets, *self._columns(entries), shape)
 
-    def _columns(self, entries: slice) -> tuple[NDArray[Any], ...]:
-        columns = self.t, self.body, self.point, self.normal, self.part, self.face
-        return tuple(column[entries] for column in columns)
+    def _columns(self, entries: slice) -> RayColumns:
+        place = self.t[entries], self.body[entries], self.point[entries]
+        return *place, self.normal[entries], self.part[entries], self.face[entries]
 
     def __repr__(self) -> str:
         """Return the shape and the number of hits."""
         return f"BodyRayHits(shape={self.shape}, {len(self.t)} hits)"
 
 
-def body_hits_of(*columns: NDArray[Any]) -> BodyRayHit:
+def body_hits_of(*columns: *RayColumns) -> BodyRayHit:
     """Return all hits of one ray, given as the columns of `BodyRayHit` after `hit`."""
     return BodyRayHit(np.ones(len(columns[0]), bool), *columns)
 

@@ -111,7 +111,10 @@ class WorldQueries:
         """
         rays = origins, directions, real(reach, "reach", minimum=0), flag(cull_back_faces, "cull_back_faces")
         offsets, columns, shape = _impinge.world_ray_cast_all(self._core, rays, mask(layers, "layers"))
-        return BodyRayHits(offsets, *columns, tuple(shape)) if shape else body_hits_of(*columns)
+        t, body, point, normal, part, face = columns
+        if shape:
+            return BodyRayHits(offsets, t, body, point, normal, part, face, tuple(shape))
+        return body_hits_of(t, body, point, normal, part, face)
 
     def shape_cast(
         self,
@@ -233,7 +236,7 @@ class WorldQueries:
         >>> import impinge
         >>> world = impinge.World()
         >>> balls = world.insert(impinge.Shape.sphere(1), impinge.pose([[4, 0, 0], [-5, 0, 0]]))
-        >>> near = world.nearest(impinge.Shape.point([0, 0, 0]))
+        >>> near = world.nearest(impinge.Shape.sphere(0))
         >>> near.body == int(balls[0]), round(near.distance.upper, 9)
         (True, 3.0)
         """
@@ -292,7 +295,7 @@ class WorldQueries:
         if lead[-1:] != (2,):
             raise InputError(f"has shape {lead}; the last axis must be 2 long", kind="shape", what="pairs")
         columns = _impinge.world_distances(self._core, handles)
-        return Distance(*(scalar(column.reshape(*lead[:-1], *column.shape[1:])) for column in columns))
+        return Distance(*(scalar(column.reshape((*lead[:-1], *column.shape[1:]))) for column in columns))
 
     def overlapping(
         self, shape: AnyShape, pose: ArrayLike | None = None, *, layers: int = ALL_LAYERS

@@ -12,7 +12,7 @@ use crate::motions::{motions_of, places};
 use crate::poses;
 use crate::shapes::read_shape;
 use crate::world::WorldCore;
-use crate::world_bodies::{Handles, ids, of_bodies};
+use crate::world_bodies::{Handles, ids, refused};
 use crate::world_queries::{ask, found, on};
 
 /// A shape, its motion, the clearance, and whether contact at the start is ignored.
@@ -113,7 +113,9 @@ pub(crate) fn world_distances<'py>(world: &Bound<'py, WorldCore>, pairs: &Handle
     let rows: Vec<[BodyId; 2]> = ids.as_chunks().0.to_vec();
     let shape = [rows.len()];
     let found = ask(world, "pairs", &shape, rows, |world, &[a, b]| Ok(world.distance(a, b)))?;
-    let found: Result<Vec<Distance>, _> = found.into_iter().collect();
-    let found = found.map_err(|error| of_bodies(&error, &ids, "pairs").raised(py))?;
+    let checked = found.into_iter().enumerate();
+    let found: PyResult<Vec<Distance>> =
+        checked.map(|(row, found)| found.map_err(|error| refused(&error, "pairs", row).raised(py))).collect();
+    let found = found?;
     distances::columns(py, &found, &shape)
 }

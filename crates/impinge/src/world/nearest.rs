@@ -83,11 +83,10 @@ impl World {
             Bounds::Nowhere => {}
             Bounds::Behind(_) | Bounds::Anywhere => search.compare(&Bounds::Anywhere, None, &mut wanted),
             Bounds::Box(own) => {
+                let farthest = self.reach_of_some_body(&own, &mut wanted);
                 let mut reach = 0.0;
-                let mut farthest = None;
                 loop {
                     search.compare(&bounds.grown(reach), Some(&own), &mut wanted);
-                    let farthest = *farthest.get_or_insert_with(|| self.reach_of_some_body(&own, &mut wanted));
                     let needed = search.reach().min(farthest);
                     if reach >= needed {
                         break;
