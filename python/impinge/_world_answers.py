@@ -1,4 +1,4 @@
-"""Results of a world: changes at a step, hits of rays and moving shapes, bodies that queries find."""
+"""Results of a world: changes at a step, hits of rays and moving shapes, and found bodies."""
 
 from __future__ import annotations
 

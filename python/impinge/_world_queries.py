@@ -175,7 +175,7 @@ class WorldQueries:
         ignore_touch: bool = False,
         layers: int = ALL_LAYERS,
     ) -> BodyImpact | BodyImpacts:
-        """Return all bodies that a moving shape touches, in order of time, each at its first impact.
+        """Return all bodies that a moving shape touches, in order of time, each at first impact.
 
         Parameters
         ----------

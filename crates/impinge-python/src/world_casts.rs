@@ -67,8 +67,8 @@ fn cast<A: Send + 'static>(
     })
 }
 
-/// Returns the body that is nearest to a shape at each pose, (...), which is 0 if none is within the
-/// limit, and the distances as `distances::columns` returns them, infinite if there is no body.
+/// Returns the body that is nearest to a shape at each pose, (...), which is 0 if none is within
+/// the limit, and the distances as `distances::columns` returns them, infinite if there is no body.
 #[pyfunction]
 pub(crate) fn world_nearest<'py>(
     world: &Bound<'py, WorldCore>,

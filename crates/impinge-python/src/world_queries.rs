@@ -22,8 +22,8 @@ const EXPONENT: i32 = 128;
 /// Rays as origins, directions, the reach of all, and whether they pass through backs of faces.
 type RayArguments<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, f64, bool);
 
-/// Returns whether each ray in the world frame hits a body, (...), and the columns of the hits. Rays
-/// hit bodies on `layers`, up to `reach`.
+/// Returns whether each ray in the world frame hits a body, (...), and the columns of the hits.
+/// Rays hit bodies on `layers`, up to `reach`.
 #[pyfunction]
 pub(crate) fn world_ray_cast<'py>(
     world: &Bound<'py, WorldCore>,

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::outline::{Outline, Realignment};
-use crate::input::InputError;
+use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 use crate::shape::Shape;
 
@@ -210,8 +210,8 @@ impl Body {
 
     /// Returns the same body with another margin in world units; it is zero otherwise. Two bodies
     /// are a pair if their distance is at most the sum of their margins, so that contacts are known
-    /// before the bodies touch. The margin is validated when the body is inserted: it must be finite,
-    /// at least zero and at most 2^128.
+    /// before the bodies touch. The margin is validated when the body is inserted: it must be from 0
+    /// to 2^128.
     ///
     /// ```
     /// use impinge::{Pose, shape::Shape, world::{Body, World}};
@@ -244,4 +244,21 @@ impl Body {
         self.outline = Arc::new(Outline::by(&self.shape, way)?);
         Ok(self)
     }
+}
+
+/// Maximum margin: 2^128, as for coordinates.
+const MAX_MARGIN: f64 = (1_u128 << 127) as f64 * 2.0;
+
+/// Validates a margin.
+///
+/// # Errors
+/// Returns an error if the margin is not finite, negative or above 2^128.
+pub(super) fn validate_margin(margin: f64) -> Result<(), InputError> {
+    let kind = match margin {
+        _ if !margin.is_finite() => InputErrorKind::NonFinite { what: "margin", index: 0 },
+        _ if margin < 0.0 => InputErrorKind::Negative { what: "margin", index: 0 },
+        _ if margin > MAX_MARGIN => InputErrorKind::OutOfRange { what: "margin", index: 0, limit: "2^128" },
+        _ => return Ok(()),
+    };
+    Err(InputError::new(kind))
 }

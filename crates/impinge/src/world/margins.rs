@@ -6,13 +6,9 @@
 //!
 //! Guarded by `tests/it/worlds/margins.rs`.
 
-use super::body::BodyId;
+use super::body::{BodyId, validate_margin};
 use super::error::WorldError;
 use super::{Change, World, refused};
-use crate::input::{InputError, InputErrorKind};
-
-/// Maximum margin: 2^128, as for coordinates.
-const MAX_MARGIN: f64 = (1_u128 << 127) as f64 * 2.0;
 
 impl World {
     /// Returns the margin of a body, in world units.
@@ -32,25 +28,11 @@ impl World {
     pub fn set_margin(&mut self, body: BodyId, margin: f64) -> Result<(), WorldError> {
         let place = body.index() as u32;
         let resident = self.resident_mut(body)?;
-        validate(margin).map_err(|error| refused(body, error))?;
+        validate_margin(margin).map_err(|error| refused(body, error))?;
         resident.margin = margin;
         let (kind, bounds) = (resident.traits.kind, resident.bounds());
         self.state.update_bounds(kind, place, bounds);
         self.state.changed.mark(place, Change::Place);
         Ok(())
     }
-}
-
-/// Validates a margin.
-///
-/// # Errors
-/// Returns an error if the margin is not finite, negative or above 2^128.
-pub(super) fn validate(margin: f64) -> Result<(), InputError> {
-    let kind = match margin {
-        _ if !margin.is_finite() => InputErrorKind::NonFinite { what: "margin", index: 0 },
-        _ if margin < 0.0 => InputErrorKind::Negative { what: "margin", index: 0 },
-        _ if margin > MAX_MARGIN => InputErrorKind::OutOfRange { what: "margin", index: 0, limit: "2^128" },
-        _ => return Ok(()),
-    };
-    Err(InputError::new(kind))
 }

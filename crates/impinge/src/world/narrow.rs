@@ -8,8 +8,8 @@ use crate::query::{ContactOptions, Manifold, Proximity, Query};
 /// Results that a step computes for each pair of bodies whose boxes overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum NarrowPhase {
-    /// Nothing: all pairs whose boxes, grown by their margins, overlap are reported, as undecided. For coarse triggers, and
-    /// for measuring the broad phase.
+    /// Nothing: all pairs whose boxes, grown by their margins, overlap are reported, as undecided.
+    /// For coarse triggers, and for measuring the broad phase.
     Boxes,
     /// Whether the bodies intersect, or are as near as their margins.
     Intersections,

@@ -108,8 +108,8 @@ impl World {
         Ok(query::distance(a.placed.in_world(), b.placed.in_world()))
     }
 
-    /// Returns a distance from a box within which there is a wanted body, or zero if a box bounds no
-    /// wanted body.
+    /// Returns a distance from a box within which there is a wanted body, or zero if a box bounds
+    /// no wanted body.
     fn reach_of_some_body(&self, own: &MinMax, wanted: &mut dyn FnMut(&Traits) -> bool) -> f64 {
         let found = self.state.residents.iter().find_map(|(body, resident)| {
             let bounds = self.state.bounds_of(body.index() as u32);

@@ -73,10 +73,10 @@ impl World {
     }
 
     /// Returns the bodies whose distance from a shape at a pose is at most `clearance`, in world
-    /// units, sorted by tag, then by handle. The pose maps the shape's frame to the world frame. The
-    /// decision is that of [`within`](crate::query::within()): exact for meshes, polytopes and
-    /// half-spaces, and undecided bodies are included. Only bodies for which `wanted` returns `true`
-    /// are considered. The list is empty if `clearance` is negative or NaN.
+    /// units, sorted by tag, then by handle. The pose maps the shape's frame to the world frame.
+    /// The decision is that of [`within`](crate::query::within()): exact for meshes, polytopes
+    /// and half-spaces, and undecided bodies are included. Only bodies for which `wanted`
+    /// returns `true` are considered. The list is empty if `clearance` is negative or NaN.
     ///
     /// ```
     /// use impinge::{Pose, shape::Shape, world::{Body, World}};

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use super::body::{Body, BodyId, Kind, Traits};
+use super::body::{Body, BodyId, Kind, Traits, validate_margin};
 use super::broad::Broad;
 use super::changed::{Change, Changed};
 use super::events::{Events, Pair, PairKey};
-use super::margins;
 use super::outline::{Bounds, Extremes, Outline};
 use super::pairs::{Entry, Pairs};
 use super::placed::Placed;
@@ -120,7 +119,7 @@ impl Resident {
     /// # Errors
     /// Returns an error if the shape cannot be placed at the pose, or if the margin is invalid.
     pub(super) fn new(body: Body) -> Result<Self, InputError> {
-        margins::validate(body.margin)?;
+        validate_margin(body.margin)?;
         let placed = Placed::new(&body.shape, body.world_from_body)?;
         let Body { outline, traits, margin, .. } = body;
         Ok(Self { placed, outline, extremes: Extremes::default(), traits, margin })

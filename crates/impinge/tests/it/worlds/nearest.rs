@@ -27,7 +27,7 @@ fn nearest_bodies_equal_those_of_a_loop_over_all() {
                 .map(|&id| (id, world.body(id).unwrap()))
                 .filter(|(_, body)| wanted(body.traits()))
                 .map(|(id, body)| {
-                    let distance = query::distance(&placed, &body.shape().at(*body.world_from_body()).unwrap());
+                    let distance = query::distance(&placed, body.shape().at(*body.world_from_body()).unwrap());
                     BodyDistance { tag: body.traits().tag, body: id, distance }
                 })
                 .collect();
@@ -47,7 +47,7 @@ fn nearest_bodies_equal_those_of_a_loop_over_all() {
                 .iter()
                 .filter(|found| {
                     let body = world.body(found.body).unwrap();
-                    query::within(&placed, &body.shape().at(*body.world_from_body()).unwrap(), clearance)
+                    query::within(&placed, body.shape().at(*body.world_from_body()).unwrap(), clearance)
                 })
                 .map(|found| BodyHit { tag: found.tag, body: found.body })
                 .collect();
