@@ -1,9 +1,9 @@
 //! A box that moves along a line and holds a moving thing at all times.
 //!
 //! It proves in a few nanoseconds that a sweep cannot touch a resting body before some time. A
-//! thing that does not turn is in its first box, moved along. A thing that turns is in a cube about the
-//! pivot, because its points keep their distances from the pivot; the matrix D of [`Motion`] adds
-//! its norm times the reach of the thing.
+//! thing that does not turn is in its first box, moved along. A thing that turns is in a cube about
+//! the pivot, because its points keep their distances from the pivot; the matrix D of [`Motion`]
+//! adds its norm times the reach of the thing.
 //!
 //! The test is `carriers_hold_moving_things` below.
 

@@ -209,9 +209,9 @@ impl Body {
     }
 
     /// Returns the same body with another margin in world units; it is zero otherwise. Two bodies
-    /// are a pair if their distance is at most the sum of their margins, so that contacts are known
-    /// before the bodies touch. The margin is validated when the body is inserted: it must be from 0
-    /// to 2^128.
+    /// are a pair if their distance is at most the sum of their margins, so that contacts are
+    /// known before the bodies touch. The margin is validated when the body is inserted: it must
+    /// be from 0 to 2^128.
     ///
     /// ```
     /// use impinge::{Pose, shape::Shape, world::{Body, World}};
