@@ -43,13 +43,25 @@ from impinge._show import show
 from impinge._solid_bsp import SolidBsp
 from impinge._threads import threads
 from impinge._world import World
-from impinge._world_answers import Bodies, BodyRayHit, BodyRayHits, Step, Work
+from impinge._world_answers import (
+    Bodies,
+    BodyDistance,
+    BodyImpact,
+    BodyImpacts,
+    BodyRayHit,
+    BodyRayHits,
+    Step,
+    Work,
+)
 from impinge._world_state import WorldState
 from impinge.fit import Hull, Sphere, convex_hull, minimal_sphere
 
 __all__ = [
     "Animation",
     "Bodies",
+    "BodyDistance",
+    "BodyImpact",
+    "BodyImpacts",
     "BodyRayHit",
     "BodyRayHits",
     "Character",

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from impinge import _impinge
+from impinge._handles import handles_of
 from impinge._points import ClosestPoint, RayHit, RayHits, hits_of, scalar
 
 
@@ -176,6 +177,36 @@ class PointQueries(_impinge.MeshBase):
         """
         hit, (t, face, point) = _impinge.ray_cast(self, origins, directions)
         return RayHit(scalar(hit), scalar(t), scalar(face), point)
+
+    def face_normals(self, faces: ArrayLike | None = None) -> NDArray[np.float64]:
+        """Return the unit normals of faces, in the mesh frame.
+
+        A normal is on the side from which the corners of the face are in counterclockwise order.
+
+        Parameters
+        ----------
+        faces : int or (...) array_like of integers, optional
+            Indices of faces, for example those that rays hit; None is all faces.
+
+        Returns
+        -------
+        (..., 3) float64 array
+            Each normal is within 2^-38 of the exact one; NaN for a face without area.
+
+        Raises
+        ------
+        InputError
+            If there is no such face; the error names the entry.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> mesh = impinge.Mesh([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
+        >>> mesh.face_normals(mesh.ray_cast([1, 1, 3], [0, 0, -2]).face)
+        array([0., 0., 1.])
+        """
+        numbers, lead = handles_of(np.arange(len(self.faces)) if faces is None else faces, "faces")
+        return _impinge.face_normals(self, numbers).reshape(*lead, 3)
 
     def ray_cast_all(self, origins: ArrayLike, directions: ArrayLike) -> RayHit | RayHits:
         """Return every face that each ray hits, in order along the ray, then by face index.

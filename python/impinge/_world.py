@@ -13,9 +13,10 @@ from impinge._contacts import ContactRows, contact_rows
 from impinge._errors import InputError
 from impinge._handles import ALL_LAYERS, handle, handles_of, mask, numbers_of, poses_of
 from impinge._points import scalar
-from impinge._scalars import flag
+from impinge._scalars import flag, real
 from impinge._shape import AnyShape, snapshot_of
 from impinge._world_answers import Step, Work
+from impinge._world_bodies import WorldBodies
 from impinge._world_queries import WorldQueries
 from impinge._world_state import WorldState
 
@@ -26,7 +27,7 @@ NarrowPhase: TypeAlias = Literal["boxes", "intersections", "contacts"]
 
 
 @final
-class World(WorldQueries):
+class World(WorldQueries, WorldBodies):
     """Many bodies, and the pairs that intersect. No dynamics: the caller moves the bodies.
 
     A body is identified by its handle, an integer that is never used for another body. Reports are
@@ -82,6 +83,7 @@ class World(WorldQueries):
         owner: ArrayLike | None = None,
         tag: ArrayLike = 0,
         realigned_by: Realignment = "own",
+        margin: float = 0.0,
     ) -> Any:
         """Insert bodies with one shape; the next step reports their pairs.
 
@@ -106,6 +108,9 @@ class World(WorldQueries):
             ``"rotated"``. ``"loose"`` is the box of a sphere about the body's origin. ``"hull"``
             and ``"climbing"`` are tight: one tests all vertices of the convex hull, the other
             climbs on it. Compounds and half-spaces use ``"own"``. See ``docs/notes/realigning.md``.
+        margin : float
+            Distance in world units, from 0 to 2^128. Two bodies are a pair if their distance is at
+            most the sum of their margins, so contacts are known before the bodies touch.
 
         Returns
         -------
@@ -122,7 +127,8 @@ class World(WorldQueries):
         owners = None if owner is None else numbers_of(owner, "owner", lead)
         traits = kind, mask(layers, "layers"), mask(meets, "meets")
         placement = snapshot_of(shape), realigned_by, poses
-        return scalar(self._core.insert(placement, traits, owners, numbers_of(tag, "tag", lead)))
+        standing = traits, real(margin, "margin", minimum=0)
+        return scalar(self._core.insert(placement, standing, owners, numbers_of(tag, "tag", lead)))
 
     def remove(self, bodies: ArrayLike) -> None:
         """Remove bodies. Their pairs are removed at once, and the next step reports them as ended.
@@ -203,46 +209,6 @@ class World(WorldQueries):
         offsets, columns = self._core.contacts()
         return contact_rows(offsets, columns, (len(offsets) - 1,))
 
-    @property
-    def bodies(self) -> NDArray[np.uint64]:
-        """Handles of all bodies, (n,)."""
-        return self._core.bodies()
-
-    def poses(self, bodies: ArrayLike) -> NDArray[np.float64]:
-        """Return the poses of bodies, world from body, (..., 4, 4).
-
-        Raises
-        ------
-        InputError
-            If a handle is stale.
-        """
-        handles, lead = handles_of(bodies)
-        return self._core.poses(handles).reshape(*lead, 4, 4)
-
-    def tags(self, bodies: ArrayLike) -> Any:
-        """Return the tags of bodies, (...) uint64, in the shape of `bodies`.
-
-        Raises
-        ------
-        InputError
-            If a handle is stale.
-        """
-        handles, lead = handles_of(bodies)
-        return scalar(self._core.tags(handles).reshape(lead))
-
-    def bounds(self, bodies: ArrayLike) -> NDArray[np.float64]:
-        """Return lower and upper corners, (..., 2, 3), of world-frame boxes that contain bodies.
-
-        They are -inf and inf for a body that is unbounded or empty.
-
-        Raises
-        ------
-        InputError
-            If a handle is stale.
-        """
-        handles, lead = handles_of(bodies)
-        return self._core.bounds(handles).reshape(*lead, 2, 3)
-
     def set_poses(self, bodies: ArrayLike, poses: ArrayLike) -> None:
         """Move bodies immediately, static bodies too; the next step reports the changed pairs.
 
@@ -286,6 +252,24 @@ class World(WorldQueries):
         handles, lead = handles_of(bodies)
         owners = None if owner is None else numbers_of(owner, "owner", lead)
         self._core.set_traits(handles, (kind, mask(layers, "layers"), mask(meets, "meets")), owners)
+
+    def set_margin(self, bodies: ArrayLike, margin: float) -> None:
+        """Set the margin of bodies, from the next step on, as for `insert`.
+
+        Parameters
+        ----------
+        bodies : int or (...) array_like of integers
+            Handles of the bodies.
+        margin : float
+            Distance in world units, from 0 to 2^128.
+
+        Raises
+        ------
+        InputError
+            If a handle is stale, or if the margin is invalid. Nothing is changed then.
+        """
+        least = real(margin, "margin", minimum=0)
+        _impinge.world_set_margin(self._core, handles_of(bodies)[0], least)
 
     def set_shape(self, body: int, shape: AnyShape) -> None:
         """Replace the shape of one body, given by its handle; the next step reports the changes.

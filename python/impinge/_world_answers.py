@@ -1,12 +1,15 @@
-"""Results of a world: the changes at a step, the hits of rays, and the bodies that queries find."""
+"""Results of a world: changes at a step, hits of rays and moving shapes, and found bodies."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from impinge._distances import Distance
+from impinge._motion import Impact
 from impinge._ragged import Ragged
 
 
@@ -100,6 +103,17 @@ class Bodies(Ragged[NDArray[np.uint64]]):
         return f"Bodies(shape={self.shape}, {len(self.handles)} found)"
 
 
+RayColumns: TypeAlias = tuple[
+    NDArray[np.float64],
+    NDArray[np.uint64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.int64],
+    NDArray[np.int64],
+]
+"""Columns of ray hits: `t`, `body`, `point`, `normal`, `part` and `face`."""
+
+
 @dataclass(frozen=True, eq=False)
 class BodyRayHit:
     """Hits of rays on bodies of a world; plain numbers for the first hit of a single ray.
@@ -116,6 +130,15 @@ class BodyRayHit:
         Handle of the body; 0, which is never a handle, if the ray misses.
     point : (..., 3) float64 array
         Point of the hit in the world frame, rounded; zero if the ray misses.
+    normal : (..., 3) float64 array
+        Outward unit normal of the surface there, in the world frame. A mesh that is not solid and a
+        flat shape have two sides: their normal is on the side that the ray comes from. NaN if the
+        ray misses, if it starts inside a shape or on it, and if the face has no area. For faces,
+        half-spaces, polytopes, spheres and capsules at rigid poses it is within 2^-36 of the exact
+        normal, for other round shapes within 2^-12. At an edge it is that of one of the sides, or
+        of a plane between them.
+    part : int or (...) int64 array
+        Index of the part that is hit, 0 if the body is not a compound; -1 if the ray misses.
     face : int or (...) int64 array
         Index of the face of the mesh that is hit; -1 if no mesh is hit, or if the ray starts inside
         a solid mesh.
@@ -125,6 +148,8 @@ class BodyRayHit:
     t: float | NDArray[np.float64]
     body: int | NDArray[np.uint64]
     point: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    part: int | NDArray[np.int64]
     face: int | NDArray[np.int64]
 
 
@@ -137,7 +162,7 @@ class BodyRayHits(Ragged[BodyRayHit]):
     offsets : (n + 1,) int64 array
         Start of each ray's hits: the hits of ray ``i``, in row-major order of the leading axes, go
         from ``offsets[i]`` to ``offsets[i + 1]``. The hits of a ray are in the order along the ray.
-    t, body, point, face : (k,) or (k, 3) arrays
+    t, body, point, normal, part, face : (k,) or (k, 3) arrays
         As in `BodyRayHit`.
     shape : tuple of int
         The leading axes of the rays; their product is ``n``.
@@ -147,23 +172,99 @@ class BodyRayHits(Ragged[BodyRayHit]):
     t: NDArray[np.float64]
     body: NDArray[np.uint64]
     point: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    part: NDArray[np.int64]
     face: NDArray[np.int64]
     shape: tuple[int, ...]
 
     def _row(self, entries: slice) -> BodyRayHit:
-        return body_hits_of(self.t[entries], self.body[entries], self.point[entries], self.face[entries])
+        return body_hits_of(*self._columns(entries))
 
     def _rows(self, entries: slice, offsets: NDArray[np.int64], shape: tuple[int, ...]) -> BodyRayHits:
-        columns = self.t[entries], self.body[entries], self.point[entries], self.face[entries]
-        return BodyRayHits(offsets, *columns, shape)
+        return BodyRayHits(offsets, *self._columns(entries), shape)
+
+    def _columns(self, entries: slice) -> RayColumns:
+        place = self.t[entries], self.body[entries], self.point[entries]
+        return *place, self.normal[entries], self.part[entries], self.face[entries]
 
     def __repr__(self) -> str:
         """Return the shape and the number of hits."""
         return f"BodyRayHits(shape={self.shape}, {len(self.t)} hits)"
 
 
-def body_hits_of(
-    t: NDArray[np.float64], body: NDArray[np.uint64], point: NDArray[np.float64], face: NDArray[np.int64]
-) -> BodyRayHit:
-    """Return all hits of one ray: arrays with one entry for each hit."""
-    return BodyRayHit(np.ones(len(t), bool), t, body, point, face)
+def body_hits_of(*columns: *RayColumns) -> BodyRayHit:
+    """Return all hits of one ray, given as the columns of `BodyRayHit` after `hit`."""
+    return BodyRayHit(np.ones(len(columns[0]), bool), *columns)
+
+
+@dataclass(frozen=True, eq=False)
+class BodyImpact:
+    """Impacts of a moving shape on bodies of a world; plain numbers for the first of one motion.
+
+    Attributes
+    ----------
+    body : int or (...) uint64 array
+        Handle of the body; 0, which is never a handle, if the shape touches none.
+    impact : Impact
+        Time and place, as from `impinge.time_of_impact` with the shape as the first body and this
+        body, at rest, as the second. Without a body its times are infinite.
+    """
+
+    body: int | NDArray[np.uint64]
+    impact: Impact
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BodyImpacts(Ragged[BodyImpact]):
+    """All bodies that a shape touches on each of many motions, concatenated motion by motion.
+
+    Attributes
+    ----------
+    offsets : (n + 1,) int64 array
+        Start of each motion's impacts: the impacts of motion ``i``, in row-major order of the
+        leading axes, go from ``offsets[i]`` to ``offsets[i + 1]``. They are sorted by time.
+    body : (k,) uint64 array
+        Handles of the bodies.
+    impact : Impact
+        First impact on each body, with arrays of ``k`` entries.
+    shape : tuple of int
+        The leading axes of the motions; their product is ``n``.
+    """
+
+    offsets: NDArray[np.int64]
+    body: NDArray[np.uint64]
+    impact: Impact
+    shape: tuple[int, ...]
+
+    def _row(self, entries: slice) -> BodyImpact:
+        return BodyImpact(self.body[entries], self._impacts(entries))
+
+    def _rows(self, entries: slice, offsets: NDArray[np.int64], shape: tuple[int, ...]) -> BodyImpacts:
+        return BodyImpacts(offsets, self.body[entries], self._impacts(entries), shape)
+
+    def _impacts(self, entries: slice) -> Impact:
+        impact = self.impact
+        columns: tuple[Any, ...] = (impact.hit, impact.t_lower, impact.t_upper)
+        columns += (impact.point, impact.normal, impact.parts, impact.faces)
+        return Impact(*(column[entries] for column in columns))
+
+    def __repr__(self) -> str:
+        """Return the shape and the number of impacts."""
+        return f"BodyImpacts(shape={self.shape}, {len(self.body)} impacts)"
+
+
+@dataclass(frozen=True, eq=False)
+class BodyDistance:
+    """The body of a world that is nearest to a shape; plain numbers for a single pose.
+
+    Attributes
+    ----------
+    body : int or (...) uint64 array
+        Handle of the body; 0, which is never a handle, if none is within the limit.
+    distance : Distance
+        Its distance, as from `impinge.distance` with the shape as the first thing. Without a body
+        it is infinite.
+    """
+
+    body: int | NDArray[np.uint64]
+    distance: Distance

@@ -60,6 +60,8 @@ def examples():
         impinge.Mesh([[0, 0, 0]], [[0, 1, 2]])
     made = [
         mesh, world, balls, step, step.work, world.save(), world.ray_cast(ray, [0, 0, 1]), robot, posed,
+        world.nearest(box), world.shape_cast(box, impinge.Motion(None, None)),
+        world.shape_cast_all(box, impinge.Motion(pose([[0, 0, 9]]), None)),
         world.ray_cast_all(rays, [0, 0, 1]), world.at_points(np.zeros((1, 3))), world.contacts(), world.contacts()[0],
         robot.parts[0], robot.animations[0], robot.leaks(), posed.ray_cast(ray, [0, 0, 1]),
         posed.surface_ray_cast(ray, [0, 0, 1]), impinge.PartBodies.insert(impinge.World(), posed),

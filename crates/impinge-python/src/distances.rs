@@ -14,30 +14,33 @@ use crate::verbs::yes_or_no;
 #[pyfunction]
 pub(crate) fn distance(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
     let replies = question.ask(py, Search::OneThread, |batch| batch.distance())?;
-    replies.returned(py, |values, shape| {
-        let numbers = |of: fn(&Distance) -> f64| array(py, values.iter().map(of).collect(), shape);
-        let points = |of: fn(&Witness) -> [f64; 3]| {
-            let point = |value: &Distance| value.witness.as_ref().map_or([0.0; 3], of);
-            row_array(py, values.iter().map(point).collect(), shape)
+    replies.returned(py, |values, shape| columns(py, &values, shape))
+}
+
+/// Returns distances as the columns that [`distance`] returns.
+pub(crate) fn columns<'py>(py: Python<'py>, values: &[Distance], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    let numbers = |of: fn(&Distance) -> f64| array(py, values.iter().map(of).collect(), shape);
+    let points = |of: fn(&Witness) -> [f64; 3]| {
+        let point = |value: &Distance| value.witness.as_ref().map_or([0.0; 3], of);
+        row_array(py, values.iter().map(point).collect(), shape)
+    };
+    let faces = |side: usize| {
+        let face = |value: &Distance| {
+            let faces = value.witness.and_then(|witness| witness.faces);
+            faces.map_or(-1, |faces| i64::from(faces[side]))
         };
-        let faces = |side: usize| {
-            let face = |value: &Distance| {
-                let faces = value.witness.and_then(|witness| witness.faces);
-                faces.map_or(-1, |faces| i64::from(faces[side]))
-            };
-            array(py, values.iter().map(face).collect(), shape)
-        };
-        let columns = (
-            numbers(Distance::distance)?,
-            numbers(|value| value.lower)?,
-            numbers(|value| value.upper)?,
-            points(|witness| witness.point_a)?,
-            points(|witness| witness.point_b)?,
-            faces(0)?,
-            faces(1)?,
-        );
-        Ok(columns.into_pyobject(py)?.into_any())
-    })
+        array(py, values.iter().map(face).collect(), shape)
+    };
+    let columns = (
+        numbers(Distance::distance)?,
+        numbers(|value| value.lower)?,
+        numbers(|value| value.upper)?,
+        points(|witness| witness.point_a)?,
+        points(|witness| witness.point_b)?,
+        faces(0)?,
+        faces(1)?,
+    );
+    Ok(columns.into_pyobject(py)?.into_any())
 }
 
 /// Reports whether the distance of two things is at most `clearance`, in world units: one `bool`

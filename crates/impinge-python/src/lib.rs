@@ -30,6 +30,8 @@ mod volumes;
 mod workers;
 mod world;
 mod world_bodies;
+mod world_casts;
+mod world_margins;
 mod world_queries;
 mod world_state;
 mod world_turn;
@@ -67,7 +69,7 @@ mod _impinge {
     #[pymodule_export]
     use super::points::{closest_point, contains, signed_distance, winding_number};
     #[pymodule_export]
-    use super::rays::{ray_cast, ray_cast_all};
+    use super::rays::{face_normals, ray_cast, ray_cast_all};
     #[pymodule_export]
     use super::scene::check_scene;
     #[pymodule_export]
@@ -87,6 +89,10 @@ mod _impinge {
     use super::workers::after_fork;
     #[pymodule_export]
     use super::world::WorldCore;
+    #[pymodule_export]
+    use super::world_casts::{world_distances, world_nearest, world_shape_cast, world_shape_cast_all, world_within};
+    #[pymodule_export]
+    use super::world_margins::{world_margins, world_set_margin};
     #[pymodule_export]
     use super::world_queries::{
         world_at_points, world_in_boxes, world_overlapping, world_ray_cast, world_ray_cast_all,

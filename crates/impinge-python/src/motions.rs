@@ -148,7 +148,7 @@ pub(crate) fn time_of_impact<'py>(
 
 /// Returns the two bounds of each time, then the point, the normal, the parts and the faces of each
 /// first touch: NaN and -1 for an impact without one.
-fn places<'py>(py: Python<'py>, impacts: &[Impact], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+pub(crate) fn places<'py>(py: Python<'py>, impacts: &[Impact], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let vectors = |of: fn(&Touch) -> [f64; 3]| {
         let rows = impacts.iter().map(|impact| impact.touch.as_ref().map_or([f64::NAN; 3], of));
         row_array(py, rows.collect(), shape)

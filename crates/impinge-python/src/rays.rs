@@ -11,6 +11,7 @@ use crate::mesh::mesh_of;
 use crate::points::{MAX_WORK_ON_CALLER, Points};
 use crate::poses;
 use crate::workers::{self, Call};
+use crate::world_bodies::{Handles, numbers};
 
 /// Exponent of the magnitude below which coordinates must be, 2^300.
 const EXPONENT: i32 = 300;
@@ -52,6 +53,25 @@ pub(crate) fn ray_cast_all<'py>(
     let (places, count) = (offsets.len(), hits.len());
     let hits = columns(py, hits.into_iter().map(Some).collect(), &[count])?;
     Ok((array(py, offsets, &[places])?, hits, shape).into_pyobject(py)?.into_any())
+}
+
+/// Returns the unit normals of faces of a mesh, (n, 3), in the mesh frame. The normal of a face
+/// without area is NaN.
+///
+/// # Errors
+/// `InputError` if there is no such face.
+#[pyfunction]
+pub(crate) fn face_normals<'py>(mesh: &Bound<'py, PyAny>, faces: &Handles<'py>) -> PyResult<Bound<'py, PyAny>> {
+    let (py, mesh, faces) = (mesh.py(), mesh_of(mesh, "mesh")?, numbers(faces)?);
+    let count = mesh.faces().len();
+    if let Some(row) = faces.iter().position(|&face| face >= count as u64) {
+        let text = format!("is {}, but the mesh has {count} faces", faces[row]);
+        return Err(Fault::new("out-of-range", "faces", text).at(vec![row]).raised(py));
+    }
+    let rows = faces.len();
+    let normal = move |row: usize| mesh.face_normal(faces[row] as u32).unwrap_or([f64::NAN; 3]);
+    let call = Call { rows, is_brief: rows as u128 <= MAX_WORK_ON_CALLER, progress: false };
+    row_array(py, workers::rows(py, call, normal)?, &[rows])
 }
 
 /// Returns ray parameter t, face and point of each hit, in the mesh frame. Without a hit they are

@@ -77,7 +77,7 @@ impl WorldCore {
     ///
     /// # Errors
     /// As for [`turn`](Self::turn).
-    fn change<T: Send>(&self, py: Python<'_>, change: impl FnOnce(&mut World) -> T + Send) -> PyResult<T> {
+    pub(crate) fn change<T: Send>(&self, py: Python<'_>, change: impl FnOnce(&mut World) -> T + Send) -> PyResult<T> {
         self.reshape(py, |world, _| change(world))
     }
 
@@ -125,14 +125,14 @@ impl WorldCore {
         &self,
         py: Python<'py>,
         placement: Placement<'py>,
-        standing: TraitArguments<'_>,
+        standing: (TraitArguments<'_>, f64),
         owners: Option<&Handles<'py>>,
         tags: &Handles<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (shape, way, poses) = placement;
         let (body, made_of) = (Body::new(read_shape(&shape, "shape", false)?.shape), Source::object(&shape));
         let way = chosen(&way, "realigned_by", &REALIGNMENTS)?;
-        let Traits { kind, layers, .. } = traits(&standing)?;
+        let (Traits { kind, layers, .. }, margin) = (traits(&standing.0)?, standing.1);
         let (lead, poses) = poses::read_all(&poses, "pose")?;
         let body = py.detach(|| body.realigned_by(way)).map_err(|error| {
             Fault::new(kind_and_place(&error).0, "shape", message(&error)).hint(error.hint()).raised(py)
@@ -142,7 +142,7 @@ impl WorldCore {
         let inserted = self.reshape(py, move |world, shapes| {
             let mut inserted = Vec::with_capacity(poses.len());
             for (row, pose) in poses.into_iter().enumerate() {
-                let mut one = body.clone().at(pose).kind(kind).layers(layers).tag(tags[row]);
+                let mut one = body.clone().at(pose).kind(kind).layers(layers).tag(tags[row]).with_margin(margin);
                 if let Some(owners) = &owners {
                     one = one.owner(owners[row]);
                 }
@@ -376,7 +376,7 @@ impl WorldCore {
     }
 
     /// Returns the result of `of` for each body.
-    fn of_each<T: Send>(
+    pub(crate) fn of_each<T: Send>(
         &self,
         bodies: &Handles<'_>,
         of: impl Fn(&World, BodyId) -> Result<T, WorldError> + Sync,

@@ -3,6 +3,7 @@
 
 use impinge::budget::Stopped;
 use impinge::world::{BodyId, BroadPhase, Kind, Layers, NarrowPhase, PairKey, Realignment, Traits, WorldError};
+use impinge::{InputError, InputErrorKind};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -93,6 +94,9 @@ pub(crate) fn of_bodies(error: &WorldError, ids: &[BodyId], poses: &str) -> Faul
 /// Returns an error about a row of an argument.
 pub(crate) fn refused(error: &WorldError, argument: &str, row: usize) -> Fault {
     let (kind, text, hint) = match error {
+        WorldError::Input { error, .. } if is_about_margin(error) => {
+            return Fault::new(kind_and_place(error).0, "margin", message(error));
+        }
         WorldError::Input { error, .. } => (kind_and_place(error).0, message(error), error.hint()),
         WorldError::Stale { .. } => ("stale", error.to_string(), None),
         WorldError::Static { .. } => ("static", error.to_string(), Some("set_poses() moves it, between two steps")),
@@ -101,4 +105,14 @@ pub(crate) fn refused(error: &WorldError, argument: &str, row: usize) -> Fault {
         _ => ("too-many", error.to_string(), None),
     };
     Fault::new(kind, argument, text).at(vec![row]).hint(hint)
+}
+
+/// Reports whether an error is about the margin of a body, which is one number for all bodies.
+fn is_about_margin(error: &InputError) -> bool {
+    match error.kind() {
+        InputErrorKind::NonFinite { what, .. }
+        | InputErrorKind::Negative { what, .. }
+        | InputErrorKind::OutOfRange { what, .. } => *what == "margin",
+        _ => false,
+    }
 }

@@ -2,7 +2,7 @@
 
 use impinge::partition::Ray;
 use impinge::query::batch::Broadcast;
-use impinge::world::{BodyHit, BodyRayHit, Traits, World};
+use impinge::world::{BodyHit, BodyRayHit, RayOptions, Traits, World};
 use impinge::{InputError, Pose};
 use pyo3::prelude::*;
 
@@ -19,17 +19,19 @@ use crate::world::WorldCore;
 /// Exponent of the magnitude below which coordinates must be, 2^128.
 const EXPONENT: i32 = 128;
 
-/// Returns whether each ray in the world frame hits a body, (...), the ray parameter t, (...), the
-/// body, (...), the point, (..., 3), and the face, (...), which is -1 if the body is not a mesh.
+/// Rays as origins, directions, the reach of all, and whether they pass through backs of faces.
+type RayArguments<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, f64, bool);
+
+/// Returns whether each ray in the world frame hits a body, (...), and the columns of the hits.
 /// Rays hit bodies on `layers`, up to `reach`.
 #[pyfunction]
 pub(crate) fn world_ray_cast<'py>(
     world: &Bound<'py, WorldCore>,
-    rays: (Bound<'py, PyAny>, Bound<'py, PyAny>, f64),
+    rays: RayArguments<'py>,
     layers: u32,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (py, shape) = (world.py(), Rays::read(&rays.0, &rays.1)?.lead().to_vec());
-    let found = cast(world, rays, move |world, ray| world.ray_cast(ray, on(layers)))?;
+    let found = cast(world, rays, move |world, ray, options| world.ray_cast_with(ray, options, on(layers)))?;
     let hit = array(py, found.iter().map(Option::is_some).collect(), &shape)?;
     Ok((hit, columns(py, found, &shape)?).into_pyobject(py)?.into_any())
 }
@@ -39,25 +41,26 @@ pub(crate) fn world_ray_cast<'py>(
 #[pyfunction]
 pub(crate) fn world_ray_cast_all<'py>(
     world: &Bound<'py, WorldCore>,
-    rays: (Bound<'py, PyAny>, Bound<'py, PyAny>, f64),
+    rays: RayArguments<'py>,
     layers: u32,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (py, shape) = (world.py(), Rays::read(&rays.0, &rays.1)?.lead().to_vec());
-    let (offsets, hits) = ragged(cast(world, rays, move |world, ray| world.ray_cast_all(ray, on(layers)))?);
+    let found = cast(world, rays, move |world, ray, options| world.ray_cast_all_with(ray, options, on(layers)))?;
+    let (offsets, hits) = ragged(found);
     let (places, count) = (offsets.len(), hits.len());
     let hits = columns(py, hits.into_iter().map(Some).collect(), &[count])?;
     Ok((array(py, offsets, &[places])?, hits, shape).into_pyobject(py)?.into_any())
 }
 
 /// Returns a filter for the bodies on some layers.
-fn on(layers: u32) -> impl Fn(&Traits) -> bool {
+pub(crate) fn on(layers: u32) -> impl Fn(&Traits) -> bool {
     move |traits| traits.layers.on & layers != 0
 }
 
 fn cast<'py, T: Send + 'static>(
     world: &Bound<'py, WorldCore>,
-    (origins, directions, reach): (Bound<'py, PyAny>, Bound<'py, PyAny>, f64),
-    ask: impl Fn(&World, &Ray) -> T + Send + Sync + 'static,
+    (origins, directions, reach, culls_back_faces): RayArguments<'py>,
+    ask: impl Fn(&World, &Ray, RayOptions) -> T + Send + Sync + 'static,
 ) -> PyResult<Vec<T>> {
     let (py, turn) = (world.py(), world.get().turn(world.py())?);
     if reach.is_nan() || reach < 0.0 {
@@ -66,24 +69,33 @@ fn cast<'py, T: Send + 'static>(
     }
     Rays::read(&origins, &directions)?.ask_each(py, false, move |origin, direction| {
         let ray = Ray::new(origin, direction, reach)?;
-        Ok(ask(&turn.read(), &ray))
+        Ok(ask(&turn.read(), &ray, RayOptions { culls_back_faces }))
     })
 }
 
-/// Returns the ray parameter t, (...), the body, (...), the point, (..., 3), and the face, (...).
+/// Returns the ray parameter t, (...), the body, (...), the point, (..., 3), the normal, (..., 3),
+/// the part, (...), and the face, (...). A part or a face of -1, and NaN, mean that there is none.
 fn columns<'py>(py: Python<'py>, hits: Vec<Option<BodyRayHit>>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let t = hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect();
     let body = hits.iter().map(|hit| hit.map_or(0, |hit| hit.body.to_bits())).collect();
     let point = hits.iter().map(|hit| hit.map_or([0.0; 3], |hit| hit.point)).collect();
     let face = hits.iter().map(|hit| hit.and_then(|hit| hit.face).map_or(-1, i64::from)).collect();
-    let columns =
-        (array(py, t, shape)?, array(py, body, shape)?, row_array(py, point, shape)?, array(py, face, shape)?);
+    let normal = hits.iter().map(|hit| hit.and_then(|hit| hit.normal).unwrap_or([f64::NAN; 3])).collect();
+    let part = hits.iter().map(|hit| hit.map_or(-1, |hit| i64::from(hit.part))).collect();
+    let columns = (
+        array(py, t, shape)?,
+        array(py, body, shape)?,
+        row_array(py, point, shape)?,
+        row_array(py, normal, shape)?,
+        array(py, part, shape)?,
+        array(py, face, shape)?,
+    );
     Ok(columns.into_pyobject(py)?.into_any())
 }
 
 /// Returns the offsets of the bodies found for each row, (n + 1,), handles, (k,), and the leading
 /// axes.
-fn found<'py>(py: Python<'py>, hits: Vec<Vec<BodyHit>>, shape: Vec<usize>) -> PyResult<Bound<'py, PyAny>> {
+pub(crate) fn found<'py>(py: Python<'py>, hits: Vec<Vec<BodyHit>>, shape: Vec<usize>) -> PyResult<Bound<'py, PyAny>> {
     let (offsets, hits) = ragged(hits);
     let (places, count) = (offsets.len(), hits.len());
     let bodies = array(py, hits.into_iter().map(|hit| hit.body.to_bits()).collect(), &[count])?;
@@ -94,13 +106,13 @@ fn found<'py>(py: Python<'py>, hits: Vec<Vec<BodyHit>>, shape: Vec<usize>) -> Py
 ///
 /// # Errors
 /// `InputError` for the first row of the argument that is out of range.
-fn ask<T: Send + Sync + 'static>(
+pub(crate) fn ask<T: Send + Sync + 'static, A: Send + 'static>(
     world: &Bound<'_, WorldCore>,
     argument: &str,
     shape: &[usize],
     rows: Vec<T>,
-    ask: impl Fn(&World, &T) -> Result<Vec<BodyHit>, InputError> + Send + Sync + 'static,
-) -> PyResult<Vec<Vec<BodyHit>>> {
+    ask: impl Fn(&World, &T) -> Result<A, InputError> + Send + Sync + 'static,
+) -> PyResult<Vec<A>> {
     let (py, turn) = (world.py(), world.get().turn(world.py())?);
     let call = Call { rows: rows.len(), is_brief: false, progress: false };
     let found = workers::rows(py, call, move |row| ask(&turn.read(), &rows[row]))?;

@@ -23,7 +23,7 @@ use crate::shapes::read_shape;
 use crate::world_bodies::{BROAD_PHASES, KINDS, NARROW_PHASES, REALIGNMENTS, chosen};
 
 /// Version of the pickled data. Data of another version is rejected.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Proximities of pairs as data. Pairs that are apart have no proximity.
 const PROXIMITIES: [Option<Proximity>; 3] = [None, Some(Proximity::Intersects), Some(Proximity::Undecided)];
@@ -99,8 +99,10 @@ impl WorldState {
 type ShapeTable<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 /// Table of bodies: poses, (n, 4, 4); traits, (n, 5), which are kind, layers, layers to intersect,
-/// change and realignment; owners, (n,); whether there is an owner, (n,); and tags, (n,).
-type BodyTable<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
+/// change and realignment; owners, (n,); whether there is an owner, (n,); tags, (n,); and margins,
+/// (n,).
+type BodyTable<'py> =
+    (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 /// Table of pairs: handles, (p, 2), proximities, (p,), and the contacts as `contacts::columns`
 /// makes them.
@@ -150,14 +152,16 @@ impl WorldState {
         let shape_of: Vec<u32> = plain_column(&shapes.1)?;
         let traits = traits_of(&bodies)?;
         let poses = poses::read_all(&bodies.0, "state")?.1;
-        if [shape_of.len(), traits.len(), poses.len()] != [ids.len(); 3] {
+        let margins: Vec<f64> = plain_column(&bodies.5)?;
+        if [shape_of.len(), traits.len(), poses.len(), margins.len()] != [ids.len(); 4] {
             return Err(broken("the numbers of bodies"));
         }
         let mut recorded = Vec::with_capacity(ids.len());
         let mut objects_of = Vec::with_capacity(ids.len());
         // Bodies of one shape share its bounds.
         let mut plain: HashMap<(u32, Realignment), Body> = HashMap::new();
-        for (((id, shape), pose), (traits, change, way)) in ids.into_iter().zip(shape_of).zip(poses).zip(traits) {
+        let rows = ids.into_iter().zip(shape_of).zip(poses).zip(traits).zip(margins);
+        for ((((id, shape), pose), (traits, change, way)), margin) in rows {
             let (source, own) = made.get(shape as usize).ok_or_else(|| broken("the numbers of shapes"))?;
             objects_of.push((id, source.clone()));
             let body = match plain.entry((shape, way)) {
@@ -167,7 +171,8 @@ impl WorldState {
                     free.insert(body.map_err(|error| Fault::new("state", "state", message(&error)).raised(py))?)
                 }
             };
-            let body = body.clone().at(pose).kind(traits.kind).layers(traits.layers).tag(traits.tag);
+            let body =
+                body.clone().at(pose).kind(traits.kind).layers(traits.layers).tag(traits.tag).with_margin(margin);
             let body = if let Some(owner) = traits.owner { body.owner(owner) } else { body };
             recorded.push(RecordedBody { id, body, change });
         }
@@ -223,6 +228,7 @@ impl WorldState {
                 body_column(|recorded| recorded.body.traits().owner.unwrap_or(0))?,
                 array(py, owns.collect(), &[count])?,
                 body_column(|recorded| recorded.body.traits().tag)?,
+                array(py, bodies.iter().map(|recorded| recorded.body.margin()).collect(), &[count])?,
             ),
             (
                 row_array(py, handles, &[pairs.len()])?,
@@ -275,7 +281,7 @@ fn append(objects: &mut Bound<'_, PyList>, source: &Source) -> PyResult<()> {
 }
 
 /// Returns the traits, the change and the realignment of each body of a table.
-fn traits_of((_, traits, owners, owns, tags): &BodyTable<'_>) -> PyResult<Vec<(Traits, Change, Realignment)>> {
+fn traits_of((_, traits, owners, owns, tags, _): &BodyTable<'_>) -> PyResult<Vec<(Traits, Change, Realignment)>> {
     let traits: Vec<u32> = plain_column(traits)?;
     let (owners, owns, tags): (Vec<u64>, Vec<bool>, Vec<u64>) =
         (plain_column(owners)?, plain_column(owns)?, plain_column(tags)?);

@@ -4,6 +4,7 @@
 use super::posed::to_unit_entries;
 use crate::exact::double_double::{self, DoubleDouble};
 use crate::math::Sign;
+use crate::math::direction::rounded_direction;
 use crate::math::dyadic::{self, Dyadic};
 use crate::math::relative::{INFLATE, UNDERFLOW, UNIT_ROUNDOFF};
 use crate::math::vec3::{dot, length, sub};
@@ -102,15 +103,4 @@ impl Facet {
         };
         Some(Self { direction, lower: if quotient == 0.0 { -f64::MIN_POSITIVE.sqrt() } else { lower } })
     }
-}
-
-/// Returns a vector divided by its greatest entry, each entry rounded once, or `None` if it is
-/// zero.
-pub(super) fn rounded_direction(vector: &[Dyadic; 3]) -> Option<[f64; 3]> {
-    let over = |k: usize| {
-        let by = |j: usize| Dyadic::nearest_quotient(&vector[j], &vector[k]);
-        let flip = if vector[k].sign() == Sign::Negative { -1.0 } else { 1.0 };
-        (vector[k].sign() != Sign::Zero).then(|| [flip * by(0), flip * by(1), flip * by(2)])
-    };
-    (0..3).filter_map(over).find(|direction| direction.iter().all(|x| x.abs() <= 1.0))
 }

@@ -8,13 +8,13 @@
 //! `tests/it/shapes/surfaces.rs`.
 
 use super::depth::Depth;
-use super::facet::rounded_direction;
 use super::facing::{Corner, facing};
 use super::interval::{Separation, above, below};
 use super::manifold::{Contact, Contacts, Faceted};
 use super::overlap::Feature;
 use super::posed::{Pair, Swept, to_unit_length};
 use crate::exact::world_point;
+use crate::math::direction::rounded_direction;
 use crate::math::dyadic::{self, Dyadic};
 use crate::math::relative::UNIT_ROUNDOFF;
 use crate::math::vec3::{dot, length, sub};

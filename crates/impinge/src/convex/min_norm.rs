@@ -18,10 +18,10 @@
 //!
 //! The proof is docs/notes/proof.md, L21, and the tests are in `tests/it/shapes/hulls.rs`.
 
-use super::facet::rounded_direction;
 use super::posed::{Difference, Pair, Posed, Spot};
 use crate::exact::world_point;
 use crate::math::Sign;
+use crate::math::direction::rounded_direction;
 use crate::math::dyadic::{self, Dyadic};
 use crate::math::vec3::dot;
 

@@ -1,6 +1,7 @@
 //! Poses, exact numbers, and small linear algebra with proved error bounds.
 
 pub(crate) mod arctangent;
+pub(crate) mod direction;
 pub(crate) mod dyadic;
 mod pose;
 pub(crate) mod relative;

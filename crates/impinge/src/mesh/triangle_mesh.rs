@@ -15,6 +15,7 @@ use super::storage::stored_corners;
 use crate::exact::Corners;
 use crate::hierarchy::WideTree;
 use crate::math::vec3::Vector;
+use crate::primitive::unit_normal;
 use crate::storage::Buffer;
 
 /// A validated triangle mesh with its hierarchy. It is cheap to clone, as clones share all data,
@@ -99,6 +100,31 @@ impl Mesh {
     #[must_use]
     pub fn corners(&self, face: u32) -> Corners {
         self.0.faces[face as usize].map(|vertex| self.0.vertices.get(vertex as usize))
+    }
+
+    /// Returns the unit normal of a face in the mesh frame, or `None` if the face has no area. It
+    /// is on the side from which the corners are in counterclockwise order.
+    ///
+    /// ```
+    /// use impinge::mesh::Ray;
+    /// use impinge::{Mesh, Positions};
+    ///
+    /// let corners = vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+    /// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 1, 2], [0, 1, 1]])?;
+    /// let hit = mesh.ray_cast(&Ray::new([1.0, 1.0, 3.0], [0.0, 0.0, -1.0])?).expect("a hit");
+    /// assert_eq!(mesh.face_normal(hit.face), Some([0.0, 0.0, 1.0]));
+    /// assert_eq!(mesh.face_normal(1), None);
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    ///
+    /// # Accuracy
+    /// The direction is within 2^-38 of the exact one, however thin the face is.
+    ///
+    /// # Panics
+    /// If `face` is not below the number of faces.
+    #[must_use]
+    pub fn face_normal(&self, face: u32) -> Option<[f64; 3]> {
+        unit_normal(&self.corners(face))
     }
 
     /// Returns how the faces are connected, computed at the first call.

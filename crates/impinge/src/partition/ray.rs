@@ -65,6 +65,12 @@ impl Ray {
         self.reach
     }
 
+    /// Returns the point `origin + t * direction` in the frame of the boxes, rounded.
+    #[must_use]
+    pub fn at(&self, t: f64) -> [f64; 3] {
+        std::array::from_fn(|k| self.origin[k] + t * self.direction[k])
+    }
+
     /// Returns the parameter `t >= 0` at which the ray enters the closed box, zero if it starts
     /// inside. Returns `None` if the ray provably misses the box or ends before it.
     ///

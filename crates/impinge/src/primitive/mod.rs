@@ -18,6 +18,7 @@
 //! Tests: `tests/it/distance/primitives.rs` and `rays.rs`. Benchmarks: `distance` and `rays`.
 
 mod closest;
+mod facing;
 mod points;
 mod products;
 mod ray;
@@ -31,6 +32,7 @@ pub use segments::closest_on_segments;
 pub use triangles::closest_on_triangles;
 
 pub(crate) use closest::CLOSED_FORM_ERROR;
+pub(crate) use facing::{side_along, unit_normal};
 pub(crate) use points::point_triangle;
 pub(crate) use products::{accurate_cross, accurate_sum_of_products};
 pub(crate) use triangles::{Witness, common_point, separation, triangle_triangle};

@@ -112,10 +112,10 @@ impl RayCrossing {
 /// Relative error bound of a determinant of three differences. The differences contribute three
 /// roundings, a product two, a minor one, one more product one, and two sums two: 9 units of 2^-53.
 /// The rest covers the rounding of the bound itself.
-const ROUNDING: f64 = 12.0 * (f64::EPSILON / 2.0);
+pub(super) const ROUNDING: f64 = 12.0 * (f64::EPSILON / 2.0);
 
 /// More than products lose to underflow if all numbers are at most 2^300: 2^-1074 · 12 · 2^302.
-const UNDERFLOW: f64 = f64::from_bits((1023 - 760) << 52);
+pub(super) const UNDERFLOW: f64 = f64::from_bits((1023 - 760) << 52);
 
 /// Maximum relative error of a parameter computed in floats. Parameters with a larger error are
 /// computed exactly and rounded: 2^-40. Twice the sum of the relative errors of numerator and
@@ -124,7 +124,7 @@ const LARGEST_T_ERROR: f64 = 0.5 / (1_u64 << 40) as f64;
 
 /// Returns the sum of the magnitudes of the six products of a determinant.
 #[inline(always)]
-fn permanent(u: &Vector, v: &Vector, w: &Vector) -> f64 {
+pub(super) fn permanent(u: &Vector, v: &Vector, w: &Vector) -> f64 {
     let [a, b, c] = [0, 1, 2].map(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         ((u[i] * v[j]).abs() + (u[j] * v[i]).abs()) * w[k].abs()
@@ -135,7 +135,7 @@ fn permanent(u: &Vector, v: &Vector, w: &Vector) -> f64 {
 /// Returns the sign of a determinant from its rounded value and its [`permanent`], or `None` if
 /// rounding leaves it undecided.
 #[inline(always)]
-fn certain_sign(value: f64, size: f64) -> Option<Sign> {
+pub(super) fn certain_sign(value: f64, size: f64) -> Option<Sign> {
     let error = ROUNDING * size + UNDERFLOW;
     if value > error {
         Some(Positive)

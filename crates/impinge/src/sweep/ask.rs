@@ -13,7 +13,7 @@ use crate::shape::{Form, PlacedShape, Shape};
 
 /// Maximum distance of bodies that count as touching, relative to the sum of their sizes: 2^-38.
 /// Nothing more can be proved below it.
-const TOUCHING: f64 = 1.0 / (1_u64 << 38) as f64;
+pub(super) const TOUCHING: f64 = 1.0 / (1_u64 << 38) as f64;
 
 /// Maximum number of pairs of pieces that one sweep compares: 2^21. Each takes about a microsecond.
 const MAX_PAIRS: u64 = 1 << 21;
@@ -96,6 +96,11 @@ impl<'s> Sweep<'s> {
     #[must_use]
     pub fn with_max_pairs(self, max_pairs: u64) -> Self {
         Self { max_pairs: max_pairs.min(MAX_PAIRS), ..self }
+    }
+
+    /// Returns the clearance in world units.
+    pub(crate) fn clearance(&self) -> f64 {
+        self.clearance
     }
 
     /// Returns the time at which two things first touch, as

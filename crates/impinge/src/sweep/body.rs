@@ -22,6 +22,15 @@ const VANISHING: f64 = 1e-150;
 /// Maximum number of parts of a group that are its children. Larger groups are halved.
 const GROUP_PARTS: usize = 8;
 
+/// Returns a bound on the error of a height above a plane, at any time, of a body that moves by a
+/// motion and reaches at most `reach` from the origin of its frame.
+pub(super) fn height_error(motion: &Motion, reach: f64) -> f64 {
+    let linear = scaled_length(&motion.at(0.0).linear().map(|row| scaled_length(&row)));
+    // The roundings of heights are below 64 u of the sizes whose errors the motion bounds. Parts of
+    // a compound are placed once more.
+    3.0 * motion.error(reach) + 64.0 * f64::EPSILON * linear * reach
+}
+
 /// A shape, its motion, and the pieces made so far.
 #[derive(Debug)]
 pub(super) struct Body<'m> {
@@ -65,10 +74,7 @@ impl<'m> Body<'m> {
             let root = body.group(&mut bounded);
             body.roots.push(root);
         }
-        let linear = scaled_length(&motion.at(0.0).linear().map(|row| scaled_length(&row)));
-        // The roundings of heights are below 64 u of the sizes whose errors the motion bounds.
-        // Parts of a compound are placed once more.
-        body.error = 3.0 * motion.error(body.reach) + 64.0 * f64::EPSILON * linear * body.reach;
+        body.error = height_error(motion, body.reach);
         Ok(body)
     }
 

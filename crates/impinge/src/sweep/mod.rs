@@ -3,6 +3,7 @@
 //! - `time_of_impact` handles meshes and shapes that move rigidly, and [`Sweep`] has its options. A
 //!   `body` is a tree of `piece`s, an `interval` proves two pieces apart, and `search` divides
 //!   both;
+//! - a `carrier` bounds the place of a moving thing, for worlds;
 //! - `linear` handles a vertex and a face, or two edges, whose corners move along lines;
 //! - `deforming` handles surfaces whose vertices move along lines.
 //!
@@ -12,6 +13,7 @@
 mod ask;
 mod batch;
 mod body;
+mod carrier;
 mod deforming;
 mod exact;
 mod floats;
@@ -27,6 +29,7 @@ mod time_of_impact;
 
 pub use ask::Sweep;
 pub use batch::times_of_impact;
+pub(crate) use carrier::Carrier;
 pub use deforming::{Deforming, Features, SweptContact};
 pub use impact::{Impact, Touch};
 pub use linear::{edge_edge, vertex_face};

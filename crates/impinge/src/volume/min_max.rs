@@ -68,6 +68,13 @@ impl MinMax {
         Self { min, max }
     }
 
+    /// Returns the box grown by a length on every side, rounded outward. Returns `None` if no valid
+    /// box is that large.
+    pub(crate) fn grown(&self, by: f64) -> Option<Self> {
+        let (min, max) = (self.min.map(|x| (x - by).next_down()), self.max.map(|x| (x + by).next_up()));
+        Self::new(min, max).ok()
+    }
+
     /// Returns the smallest coordinate on each axis.
     #[must_use]
     pub fn min(&self) -> [f64; 3] {

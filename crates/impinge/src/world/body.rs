@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::outline::{Outline, Realignment};
-use crate::input::InputError;
+use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 use crate::shape::Shape;
 
@@ -130,6 +130,7 @@ pub struct Body {
     pub(super) outline: Arc<Outline>,
     pub(super) world_from_body: Pose,
     pub(super) traits: Traits,
+    pub(super) margin: f64,
 }
 
 impl Body {
@@ -138,7 +139,7 @@ impl Body {
     #[must_use]
     pub fn new(shape: Shape) -> Self {
         let (outline, traits) = (Arc::new(Outline::new()), Traits::default());
-        Self { shape, outline, world_from_body: Pose::IDENTITY, traits }
+        Self { shape, outline, world_from_body: Pose::IDENTITY, traits, margin: 0.0 }
     }
 
     /// Returns the shape of the body, in the body's frame.
@@ -157,6 +158,12 @@ impl Body {
     #[must_use]
     pub fn traits(&self) -> &Traits {
         &self.traits
+    }
+
+    /// Returns the margin of the body, in world units.
+    #[must_use]
+    pub fn margin(&self) -> f64 {
+        self.margin
     }
 
     /// Returns how the body's box follows the body when it rotates.
@@ -201,6 +208,29 @@ impl Body {
         self
     }
 
+    /// Returns the same body with another margin in world units; it is zero otherwise. Two bodies
+    /// are a pair if their distance is at most the sum of their margins, so that contacts are
+    /// known before the bodies touch. The margin is validated when the body is inserted: it must
+    /// be from 0 to 2^128.
+    ///
+    /// ```
+    /// use impinge::{Pose, shape::Shape, world::{Body, World}};
+    ///
+    /// let sphere = Body::new(Shape::sphere([0.0; 3], 1.0)?).with_margin(0.25);
+    /// let mut world = World::new();
+    /// let a = world.insert(sphere.clone())?;
+    /// let b = world.insert(sphere.at(Pose::from_translation([2.25, 0.0, 0.0])?))?;
+    /// world.step(&[])?;
+    /// let pair = world.pair(a, b)?.expect("they are 0.25 apart, and the margins sum to 0.5");
+    /// assert!((pair.manifolds[0].points[0].upper + 0.25).abs() < 1e-12);
+    /// # Ok::<(), impinge::world::WorldError>(())
+    /// ```
+    #[must_use]
+    pub fn with_margin(mut self, margin: f64) -> Self {
+        self.margin = margin;
+        self
+    }
+
     /// Returns the same body, whose box follows it in another way. No result depends on it.
     ///
     /// # Errors
@@ -214,4 +244,21 @@ impl Body {
         self.outline = Arc::new(Outline::by(&self.shape, way)?);
         Ok(self)
     }
+}
+
+/// Maximum margin: 2^128, as for coordinates.
+const MAX_MARGIN: f64 = (1_u128 << 127) as f64 * 2.0;
+
+/// Validates a margin.
+///
+/// # Errors
+/// Returns an error if the margin is not finite, negative or above 2^128.
+pub(super) fn validate_margin(margin: f64) -> Result<(), InputError> {
+    let kind = match margin {
+        _ if !margin.is_finite() => InputErrorKind::NonFinite { what: "margin", index: 0 },
+        _ if margin < 0.0 => InputErrorKind::Negative { what: "margin", index: 0 },
+        _ if margin > MAX_MARGIN => InputErrorKind::OutOfRange { what: "margin", index: 0, limit: "2^128" },
+        _ => return Ok(()),
+    };
+    Err(InputError::new(kind))
 }

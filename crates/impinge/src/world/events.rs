@@ -17,7 +17,8 @@ pub struct PairKey {
     pub b: BodyId,
 }
 
-/// A pair of bodies that intersect or may intersect, with its contacts.
+/// A pair of bodies that intersect or may intersect, with its contacts. If a body has a margin,
+/// *intersect* means here that the distance of the bodies is at most the sum of their margins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair<'w> {
     /// Tags and handles of the two bodies.
@@ -27,8 +28,9 @@ pub struct Pair<'w> {
     /// round or the solid of an open mesh, except with
     /// [`NarrowPhase::Boxes`](super::NarrowPhase::Boxes).
     pub proximity: Proximity,
-    /// Contacts in the world frame, as returned by [`contacts`](crate::query::contacts). Empty if
-    /// the world does not compute contacts.
+    /// Contacts in the world frame, as returned by [`contacts`](crate::query::contacts) with the sum
+    /// of the margins. The depth of a contact across a gap is negative. Empty if the world does not
+    /// compute contacts.
     pub manifolds: &'w [Manifold],
 }
 

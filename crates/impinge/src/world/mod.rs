@@ -21,22 +21,28 @@
 //!
 //! Two bodies intersect if [`query`](crate::query) reports so for their shapes in their poses. The
 //! decision is exact for meshes, boxes and hulls; touching counts. A pair that is undecided is
-//! reported as if it intersected.
+//! reported as if it intersected. Bodies with [margins](Body::with_margin) are a pair if
+//! [`within`](crate::query::within()) reports that their distance is at most the sum of the margins.
+//! Boxes are grown by margins.
 //!
 //! Guarded by `tests/it/worlds`, measured by the benchmark `worlds`.
 
 mod body;
 mod broad;
+mod casts;
 mod changed;
 mod error;
 mod events;
 mod filter;
+mod margins;
 mod narrow;
+mod nearest;
 mod outline;
 mod pairs;
 mod placed;
 mod plane;
 mod queries;
+mod ray_hits;
 mod rays;
 mod record;
 mod search;
@@ -46,13 +52,16 @@ mod step;
 
 pub use body::{Body, BodyId, Kind, Layers, Traits};
 pub use broad::BroadPhase;
+pub use casts::BodyImpact;
 pub use changed::Change;
 pub use error::WorldError;
 pub use events::{Events, Pair, PairKey, Work};
 pub use filter::PairFilter;
 pub use narrow::NarrowPhase;
+pub use nearest::BodyDistance;
 pub use outline::Realignment;
 pub use queries::BodyHit;
+pub use ray_hits::RayOptions;
 pub use rays::BodyRayHit;
 pub use record::{Record, RecordError, RecordedBody, RecordedPair};
 pub use step::Phase;
@@ -65,7 +74,7 @@ use crate::mesh::{Aging, Positions};
 use crate::shape::Shape;
 use broad::Broad;
 use events::sorted;
-use outline::{Bounds, Extremes, Outline};
+use outline::{Bounds, Outline};
 use pairs::Link;
 use placed::Placed;
 use state::{Resident, State};
@@ -155,15 +164,13 @@ impl World {
     /// Inserts a body. The next step reports the pairs that it is in.
     ///
     /// # Errors
-    /// Returns [`Input`](WorldError::Input) if the shape cannot be placed at the pose, and
-    /// [`Full`](WorldError::Full) if there are no more handles.
+    /// Returns [`Input`](WorldError::Input) if the shape cannot be placed at the pose or the margin is
+    /// invalid, and [`Full`](WorldError::Full) if there are no more handles.
     pub fn insert(&mut self, body: Body) -> Result<BodyId, WorldError> {
-        let placed = Placed::new(&body.shape, body.world_from_body)?;
-        let mut extremes = Extremes::default();
-        let bounds = body.outline.bounds(placed.stands(), &mut extremes);
-        let resident = Resident { placed, outline: body.outline, extremes, traits: body.traits };
+        let mut resident = Resident::new(body)?;
+        let (kind, bounds) = (resident.traits.kind, resident.bounds());
         let id = self.state.residents.insert(resident).ok_or(WorldError::Full)?;
-        self.state.update_bounds(body.traits.kind, id.index() as u32, bounds);
+        self.state.update_bounds(kind, id.index() as u32, bounds);
         self.state.changed.mark(id.index() as u32, Change::Traits);
         Ok(id)
     }
@@ -209,8 +216,8 @@ impl World {
         Ok(self.resident(body)?.clone().into_body())
     }
 
-    /// Returns an axis-aligned box in the world frame that contains a body. Returns `None` for a
-    /// body that is empty, or that is or contains a half-space.
+    /// Returns an axis-aligned box in the world frame that contains a body and its margin. Returns
+    /// `None` for a body that is empty, or that is or contains a half-space.
     ///
     /// # Errors
     /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.

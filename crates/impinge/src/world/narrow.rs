@@ -3,17 +3,17 @@
 
 use super::placed::Placed;
 use crate::budget::Budget;
-use crate::query::{Manifold, Proximity, Query};
+use crate::query::{ContactOptions, Manifold, Proximity, Query};
 
 /// Results that a step computes for each pair of bodies whose boxes overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum NarrowPhase {
-    /// Nothing: all pairs whose boxes overlap are reported, as undecided. For coarse triggers, and
-    /// for measuring the broad phase.
+    /// Nothing: all pairs whose boxes, grown by their margins, overlap are reported, as undecided.
+    /// For coarse triggers, and for measuring the broad phase.
     Boxes,
-    /// Whether the bodies intersect.
+    /// Whether the bodies intersect, or are as near as their margins.
     Intersections,
-    /// Whether the bodies intersect, and their contacts.
+    /// Whether the bodies intersect, or are as near as their margins, and their contacts.
     #[default]
     Contacts,
 }
@@ -35,12 +35,16 @@ impl NarrowPhase {
         }
     }
 
-    /// Computes the result for two bodies. Returns `None` if they are apart. The caller must
-    /// discard the result if the budget ended the query.
-    pub(super) fn examine(self, a: &Placed, b: &Placed, budget: &Budget<'_>) -> Option<Meeting> {
-        let query = || Query::new().with_budget(budget);
-        let proximity =
-            if self == Self::Boxes { Proximity::Undecided } else { query().proximity(a.in_world(), b.in_world()) };
+    /// Computes the result for two bodies. Returns `None` if they are farther apart than `margin`.
+    /// The caller must discard the result if the budget ended the query.
+    pub(super) fn examine(self, a: &Placed, b: &Placed, margin: f64, budget: &Budget<'_>) -> Option<Meeting> {
+        let contacts = ContactOptions { margin, ..ContactOptions::default() };
+        let query = || Query::new().with_budget(budget).with_contacts(contacts);
+        let proximity = match self {
+            Self::Boxes => Proximity::Undecided,
+            _ if margin == 0.0 => query().proximity(a.in_world(), b.in_world()),
+            _ => query().nearness(a.in_world(), b.in_world(), margin),
+        };
         if proximity == Proximity::Apart {
             return None;
         }

@@ -115,6 +115,17 @@ impl Outline {
 }
 
 impl Bounds {
+    /// Returns bounds that hold all points within a distance of these bounds.
+    pub(super) fn grown(self, by: f64) -> Self {
+        match self {
+            _ if by == 0.0 => self,
+            Self::Nowhere => Self::Nowhere,
+            Self::Box(bounds) => bounds.grown(by).map_or(Self::Anywhere, Self::Box),
+            Self::Behind(plane) => Self::Behind(plane.raised(by)),
+            Self::Anywhere => Self::Anywhere,
+        }
+    }
+
     /// Returns `false` if the two bodies are proved apart, and `true` otherwise.
     pub(super) fn overlap(&self, other: &Self) -> bool {
         match (self, other) {
@@ -184,6 +195,5 @@ fn swept(core: &MinMax, shape: &PlacedShape, stand: &Stand) -> Bounds {
     if radius == 0.0 {
         return Bounds::Box(*core);
     }
-    let (min, max) = (core.min().map(|x| (x - radius).next_down()), core.max().map(|x| (x + radius).next_up()));
-    MinMax::new(min, max).map_or(Bounds::Anywhere, Bounds::Box)
+    core.grown(radius).map_or(Bounds::Anywhere, Bounds::Box)
 }

@@ -2,6 +2,7 @@
 //! from the half-space.
 
 use crate::convex::HalfSpace;
+use crate::math::vec3::length;
 use crate::volume::MinMax;
 
 /// A half-space: the points x with `direction·(x - origin) ≤ level`.
@@ -28,6 +29,13 @@ impl Plane {
     pub(super) fn of(half_space: &HalfSpace<'_>) -> Self {
         let (direction, origin, level) = half_space.rounded();
         Self { direction, origin, level }
+    }
+
+    /// Returns a half-space that holds all points within a distance of this one.
+    pub(super) fn raised(&self, by: f64) -> Self {
+        // The direction is at most √3 long, and its length is wrong by a few roundings.
+        let raise = by * length(&self.direction) * (1.0 + ROUNDING);
+        Self { level: (self.level + raise).next_up(), ..*self }
     }
 
     /// Returns `false` if the box is proved to be apart from the half-space, and `true` otherwise.

@@ -1,4 +1,5 @@
-//! Queries to a world between steps: the bodies in a box, at a point, or intersecting a shape.
+//! Queries to a world between steps: the bodies in a box, at a point, or intersecting a shape or
+//! near it.
 
 use rayon::prelude::*;
 
@@ -71,6 +72,45 @@ impl World {
         Ok(hits(found.into_iter()))
     }
 
+    /// Returns the bodies whose distance from a shape at a pose is at most `clearance`, in world
+    /// units, sorted by tag, then by handle. The pose maps the shape's frame to the world frame.
+    /// The decision is that of [`within`](crate::query::within()): exact for meshes, polytopes
+    /// and half-spaces, and undecided bodies are included. Only bodies for which `wanted`
+    /// returns `true` are considered. The list is empty if `clearance` is negative or NaN.
+    ///
+    /// ```
+    /// use impinge::{Pose, shape::Shape, world::{Body, World}};
+    ///
+    /// let mut world = World::new();
+    /// let crate_ = world.insert(Body::new(Shape::cuboid([1.0; 3])?))?;
+    /// let speck = Shape::point([3.0, 0.0, 0.0])?;
+    /// assert_eq!(world.within(&speck, Pose::IDENTITY, 2.0, |_| true)?[0].body, crate_);
+    /// assert!(world.within(&speck, Pose::IDENTITY, 2.0_f64.next_down(), |_| true)?.is_empty());
+    /// # Ok::<(), impinge::world::WorldError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error if the shape cannot be placed at the pose.
+    pub fn within(
+        &self,
+        shape: &Shape,
+        world_from_shape: Pose,
+        clearance: f64,
+        mut wanted: impl FnMut(&Traits) -> bool,
+    ) -> Result<Vec<BodyHit>, InputError> {
+        let placed = Placed::new(shape, world_from_shape)?;
+        if clearance.is_nan() || clearance < 0.0 {
+            return Ok(Vec::new());
+        }
+        let mut near = self.near(&Outline::new().bounds(placed.stands(), &mut Extremes::default()).grown(clearance));
+        near.retain(|&(_, resident)| wanted(&resident.traits));
+        let found: Vec<(BodyId, &Resident)> = near
+            .into_par_iter()
+            .filter(|(_, resident)| query::within(placed.in_world(), resident.placed.in_world(), clearance))
+            .collect();
+        Ok(hits(found.into_iter()))
+    }
+
     /// Returns the bodies that contain a point of the world frame, sorted by tag, then by handle.
     /// Undecided bodies are included, as with [`overlapping`](Self::overlapping). Only bodies for
     /// which `wanted` returns `true` are considered. A mesh that is not solid contains only the
@@ -83,7 +123,7 @@ impl World {
     }
 
     /// Returns the bodies whose bounds overlap `bounds`.
-    fn near(&self, bounds: &Bounds) -> Vec<(BodyId, &Resident)> {
+    pub(super) fn near(&self, bounds: &Bounds) -> Vec<(BodyId, &Resident)> {
         let state = &self.state;
         let mut found = Vec::new();
         let mut look = |index: u32| {

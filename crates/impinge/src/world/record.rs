@@ -6,8 +6,6 @@ use super::body::{Body, BodyId};
 use super::broad::Broad;
 use super::events::PairKey;
 use super::narrow::Meeting;
-use super::outline::Extremes;
-use super::placed::Placed;
 use super::slots::Slots;
 use super::{Change, Options, Resident, Snapshot, State};
 use crate::input::InputError;
@@ -50,7 +48,7 @@ pub struct Record {
 pub struct RecordedBody {
     /// Handle of the body.
     pub id: BodyId,
-    /// Shape, pose and traits of the body.
+    /// Shape, pose, traits and margin of the body.
     pub body: Body,
     /// Change of the body since the last step.
     pub change: Change,
@@ -74,11 +72,11 @@ pub struct RecordedPair {
 pub enum RecordError {
     /// Handles, generations and free slots contradict each other.
     Places,
-    /// A shape cannot be placed at its pose.
+    /// A shape cannot be placed at its pose, or a margin is invalid.
     Input {
         /// Handle of the body.
         body: BodyId,
-        /// The error of the shape or the pose.
+        /// The error of the shape, the pose or the margin.
         error: InputError,
     },
     /// A pair names a missing body or the same body twice, is in the wrong order, or is listed
@@ -163,13 +161,9 @@ impl Snapshot {
     pub fn from_record(record: &Record, options: &Options) -> Result<Self, RecordError> {
         let (mut residents, mut places) = (Vec::with_capacity(record.bodies.len()), Vec::new());
         for RecordedBody { id, body, change } in &record.bodies {
-            let placed = Placed::new(&body.shape, body.world_from_body)
-                .map_err(|error| RecordError::Input { body: *id, error })?;
-            let mut extremes = Extremes::default();
-            let bounds = body.outline.bounds(placed.stands(), &mut extremes);
-            places.push((body.traits.kind, id.index() as u32, bounds, *change));
-            let outline = body.outline.clone();
-            residents.push((*id, Resident { placed, outline, extremes, traits: body.traits }));
+            let mut resident = Resident::new(body.clone()).map_err(|error| RecordError::Input { body: *id, error })?;
+            places.push((body.traits.kind, id.index() as u32, resident.bounds(), *change));
+            residents.push((*id, resident));
         }
         let residents = Slots::of(&record.generations, &record.free, residents).ok_or(RecordError::Places)?;
         let broad = Broad::new(options.broad_phase);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::body::{Body, BodyId, Kind, Traits};
+use super::body::{Body, BodyId, Kind, Traits, validate_margin};
 use super::broad::Broad;
 use super::changed::{Change, Changed};
 use super::events::{Events, Pair, PairKey};
@@ -10,6 +10,7 @@ use super::outline::{Bounds, Extremes, Outline};
 use super::pairs::{Entry, Pairs};
 use super::placed::Placed;
 use super::slots::Slots;
+use crate::input::InputError;
 
 /// The part of a world that steps change.
 #[derive(Clone, Debug, Default)]
@@ -34,6 +35,8 @@ pub(super) struct Resident {
     pub(super) outline: Arc<Outline>,
     pub(super) extremes: Extremes,
     pub(super) traits: Traits,
+    /// Distance in world units by which the bounds are grown.
+    pub(super) margin: f64,
 }
 
 impl State {
@@ -44,8 +47,7 @@ impl State {
         if let Some(outline) = outline {
             resident.outline = outline;
         }
-        let kind = resident.traits.kind;
-        let bounds = resident.outline.bounds(resident.placed.stands(), &mut resident.extremes);
+        let (kind, bounds) = (resident.traits.kind, resident.bounds());
         self.update_bounds(kind, body.index() as u32, bounds);
         self.changed.mark(body.index() as u32, Change::Place);
     }
@@ -112,12 +114,29 @@ impl State {
 }
 
 impl Resident {
+    /// Places a body.
+    ///
+    /// # Errors
+    /// Returns an error if the shape cannot be placed at the pose, or if the margin is invalid.
+    pub(super) fn new(body: Body) -> Result<Self, InputError> {
+        validate_margin(body.margin)?;
+        let placed = Placed::new(&body.shape, body.world_from_body)?;
+        let Body { outline, traits, margin, .. } = body;
+        Ok(Self { placed, outline, extremes: Extremes::default(), traits, margin })
+    }
+
+    /// Returns the bounds of the body, grown by its margin.
+    pub(super) fn bounds(&mut self) -> Bounds {
+        self.outline.bounds(self.placed.stands(), &mut self.extremes).grown(self.margin)
+    }
+
     pub(super) fn into_body(self) -> Body {
         Body {
             shape: self.placed.shape().clone(),
             outline: self.outline,
             world_from_body: *self.placed.world_from_body(),
             traits: self.traits,
+            margin: self.margin,
         }
     }
 }

@@ -186,6 +186,7 @@ impl World {
         let placement = resident.placed.validate_at(pose).map_err(|error| refused(body, error))?;
         let mut extremes = resident.extremes;
         let bounds = resident.outline.bounds(resident.placed.standing(&placement), &mut extremes);
+        let bounds = bounds.grown(resident.margin);
         Ok(Some(Next { placement, bounds, extremes, change: Change::No }))
     }
 
@@ -278,8 +279,9 @@ impl World {
         if budget.is_spent() {
             return None; // the caller discards all results
         }
-        let [a, b] = bodies.map(|place| self.state.residents.at(place).map(|(_, resident)| &resident.placed));
-        self.options.narrow_phase.examine(a?, b?, budget)
+        let [a, b] = bodies.map(|place| self.state.residents.at(place).map(|(_, resident)| resident));
+        let (a, b) = (a?, b?);
+        self.options.narrow_phase.examine(&a.placed, &b.placed, a.margin + b.margin, budget)
     }
 
     /// Stores the pairs and the results of the narrow phase, and reports the pairs that began and

@@ -18,11 +18,12 @@ use rayon::prelude::*;
 use super::ray_packet::Line;
 use crate::hierarchy::{Child, HALF_ULP, Node};
 use crate::input::{InputError, InputErrorKind};
+use crate::math::Sign;
 use crate::math::relative::UNIT_ROUNDOFF;
 use crate::math::vec3::{Vector, dot, sub};
 use crate::mesh::Mesh;
 use crate::mesh::storage::frame::reciprocal_power_of_two;
-use crate::primitive::{RayCrossing, ray_triangle};
+use crate::primitive::{RayCrossing, ray_triangle, side_along};
 use crate::simd::{self, LANES, Level, bits, by_axis, dispatch, load, prefetch};
 
 /// A ray: the points `origin + t direction` with `t` zero or more, in a mesh's own frame.
@@ -112,7 +113,18 @@ impl Mesh {
     /// the first point that they share.
     #[must_use]
     pub fn ray_cast(&self, ray: &Ray) -> Option<RayHit> {
-        let mut first = First { mesh: self, ray, best: None };
+        self.first_hit(ray, false)
+    }
+
+    /// Returns the first face that a ray intersects and whose front faces against the ray, decided
+    /// exactly. The front of a face is the side from which its corners are in counterclockwise
+    /// order. Faces in whose plane the ray lies, and faces without area, do not count.
+    pub(crate) fn ray_cast_fronts(&self, ray: &Ray) -> Option<RayHit> {
+        self.first_hit(ray, true)
+    }
+
+    fn first_hit(&self, ray: &Ray, is_fronts_only: bool) -> Option<RayHit> {
+        let mut first = First { mesh: self, ray, is_fronts_only, best: None };
         self.cast(ray, simd::best_level(), &mut first);
         first.best.map(|(face, crossing)| RayHit { t: crossing.t, face, point: ray.at(crossing.t) })
     }
@@ -180,13 +192,18 @@ fn crossing(mesh: &Mesh, ray: &Ray, face: u32) -> Option<FaceCrossing> {
 struct First<'m> {
     mesh: &'m Mesh,
     ray: &'m Ray,
+    /// Whether only faces count whose front faces against the ray.
+    is_fronts_only: bool,
     best: Option<FaceCrossing>,
 }
 
 impl Visitor for First<'_> {
     fn process(&mut self, faces: impl Iterator<Item = u32>) -> ControlFlow<(), f64> {
         for hit in faces.filter_map(|face| crossing(self.mesh, self.ray, face)) {
-            if self.best.is_none_or(|best| order(self.mesh, self.ray, hit, best) == Ordering::Less) {
+            let is_front = || side_along(&self.ray.direction, &self.mesh.corners(hit.0)) == Sign::Negative;
+            if self.best.is_none_or(|best| order(self.mesh, self.ray, hit, best) == Ordering::Less)
+                && (!self.is_fronts_only || is_front())
+            {
                 self.best = Some(hit);
             }
         }

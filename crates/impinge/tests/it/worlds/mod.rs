@@ -2,12 +2,17 @@
 
 mod boxes;
 mod canceled;
+mod casts;
 mod crowds;
 mod events;
+mod kinds;
 mod laws;
+mod margins;
+mod nearest;
 mod rays;
 mod record;
 mod shapes;
+mod surfaces;
 
 use impinge::Pose;
 use impinge_testkit::generate::{Rng, poses};
