@@ -30,8 +30,8 @@ const PASSES: usize = 2;
 /// Seconds in one substep.
 const SUBSTEP: f64 = STEP / SUBSTEPS as f64;
 
-/// Largest gap of two bodies that count as in contact, so that contacts are known before they push.
-const MARGIN: f64 = 0.02;
+/// Margin of each body, so that contacts are known before they push.
+const MARGIN: f64 = 0.01;
 
 /// Depth that is left uncorrected, so that contacts last.
 const SLOP: f64 = 1e-5;
@@ -99,15 +99,7 @@ impl Simulation {
     /// Returns a simulation without bodies. The coefficient of friction is the same for all.
     #[must_use]
     pub fn new(friction: f64) -> Self {
-        Self {
-            world: World::with_options(impinge::world::Options {
-                narrow_phase: impinge::world::NarrowPhase::Boxes,
-                ..Default::default()
-            }),
-            bodies: Vec::new(),
-            friction,
-            impulses: HashMap::new(),
-        }
+        Self { world: World::new(), bodies: Vec::new(), friction, impulses: HashMap::new() }
     }
 
     /// Adds a body that never moves.
@@ -125,7 +117,7 @@ impl Simulation {
     pub fn insert(&mut self, shape: Shape, mass: &Mass, position: DVec3) -> Result<usize, WorldError> {
         let number = self.bodies.len();
         let pose = Pose::from_translation(position.to_array())?;
-        let body = self.world.insert(Body::new(shape).at(pose).tag(number as u64))?;
+        let body = self.world.insert(Body::new(shape).at(pose).tag(number as u64).with_margin(MARGIN))?;
         self.bodies.push(Rigid {
             position,
             turn: DQuat::IDENTITY,
@@ -193,12 +185,7 @@ impl Simulation {
         let mut contacts = Vec::new();
         for pair in self.world.pairs() {
             let tags = [pair.key.tag_a, pair.key.tag_b];
-            let [a, b] = [pair.key.a, pair.key.b].map(|body| self.world.body(body).unwrap());
-            let [a, b] = [a, b].map(|body| body.shape().at(*body.world_from_body()).unwrap());
-            let found = impinge::query::Query::new()
-                .with_contacts(impinge::query::ContactOptions { margin: 0.02, ..Default::default() })
-                .contacts(&a, &b);
-            found.iter().for_each(|manifold| self.add(tags, manifold, &mut contacts));
+            pair.manifolds.iter().for_each(|manifold| self.add(tags, manifold, &mut contacts));
         }
         Ok(contacts)
     }
