@@ -10,8 +10,15 @@ mod command;
 mod contacts;
 mod distances;
 mod errors;
+mod fcl_contacts;
+mod fcl_distance;
+mod fcl_geometry;
+mod fcl_object;
+mod fcl_work;
 mod inspection;
 mod limits;
+mod manager_queries;
+mod managers;
 mod mesh;
 mod model;
 mod motions;
@@ -48,9 +55,23 @@ mod _impinge {
     #[pymodule_export]
     use super::distances::{distance, penetration, within};
     #[pymodule_export]
+    use super::fcl_contacts::fcl_collide;
+    #[pymodule_export]
+    use super::fcl_distance::fcl_distance;
+    #[pymodule_export]
+    use super::fcl_geometry::GeometryBase;
+    #[pymodule_export]
+    use super::fcl_object::{ObjectBase, TransformBase};
+    #[pymodule_export]
     use super::inspection::{closing_tolerance, health, repaired, tree_statistics};
     #[pymodule_export]
     use super::limits::Limits;
+    #[pymodule_export]
+    use super::manager_queries::{
+        manager_any, manager_collides, manager_contacts, manager_near, manager_nearest, manager_pairs,
+    };
+    #[pymodule_export]
+    use super::managers::ManagerBase;
     #[pymodule_export]
     use super::mesh::MeshBase;
     #[pymodule_export]
