@@ -1,6 +1,7 @@
 """The extension module; private to the package, whose modules document its functions."""
 
 import os
+from collections.abc import Callable
 from typing import Any, Literal, Self, TypeAlias, final
 
 import numpy as np
@@ -10,15 +11,19 @@ __all__ = [
     "BatchCore",
     "BoxCore",
     "CharacterCore",
+    "GeometryBase",
     "Limits",
+    "ManagerBase",
     "MeshBase",
     "Model",
     "MotionBase",
+    "ObjectBase",
     "PackedCore",
     "PartitionCore",
     "PosedCore",
     "ShapeBase",
     "SolidBspCore",
+    "TransformBase",
     "WorldCore",
     "WorldState",
     "__version__",
@@ -28,18 +33,25 @@ __all__ = [
     "check_scene",
     "closest_point",
     "closing_tolerance",
-    "contact_normals",
-    "contact_points",
     "contacts_of",
     "contains",
     "convex_hull",
     "distance",
     "edge_edge",
+    "fcl_collide",
+    "fcl_distance",
     "fit_volume",
     "health",
     "intersecting_pairs",
     "intersection_curves",
     "intersects",
+    "manager_any",
+    "manager_collides",
+    "manager_contacts",
+    "manager_each_by_gap",
+    "manager_each_near",
+    "manager_nearest",
+    "manager_pairs",
     "partition_nearest",
     "partition_overlapping",
     "partition_pairs",
@@ -127,6 +139,47 @@ class MotionBase:
 class ShapeBase:
     def __new__(cls, kind: str, source: Any, numbers: list[float]) -> Self: ...
     def local_box(self) -> list[list[float]] | None: ...
+
+class GeometryBase:
+    def __new__(cls, *arguments: Any, **named: Any) -> Self: ...
+    def _set_body(self, thing: Any, is_solid: bool) -> None: ...
+
+class TransformBase:
+    def __new__(cls, *arguments: Any, **named: Any) -> Self: ...
+    def _read(self, arguments: tuple[Any, ...]) -> bool: ...
+    @property
+    def matrix(self) -> NDArray[np.float64]: ...
+    def _set_linear(self, linear: Any, name: str) -> None: ...
+    def _set_translation(self, translation: Any, name: str) -> None: ...
+
+class ObjectBase:
+    def __new__(cls, geom: Any, tf: Any = None) -> Self: ...
+    @property
+    def geometry(self) -> Any: ...
+    @property
+    def matrix(self) -> NDArray[np.float64]: ...
+    @property
+    def box(self) -> NDArray[np.float64]: ...
+    def _set_transform(self, tf: Any) -> None: ...
+    def _set_matrix(self, matrix: Any, name: str) -> None: ...
+    def _set_linear(self, linear: Any, name: str) -> None: ...
+    def _set_translation(self, translation: Any, name: str) -> None: ...
+
+class ManagerBase:
+    def __new__(cls, *arguments: Any, **named: Any) -> Self: ...
+    def _insert(self, object: ObjectBase, replaced: int | None) -> int: ...
+    def _remove(self, key: int) -> None: ...
+    def _renew(self) -> None: ...
+
+_Others: TypeAlias = ManagerBase | ObjectBase | None
+"""What the members of a manager are compared with; None for each other."""
+
+_KeyPairs: TypeAlias = list[tuple[int, int]]
+
+_ContactColumns: TypeAlias = tuple[
+    NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]
+]
+"""Pairs, faces, points, normals and depths of contacts."""
 
 _Traits: TypeAlias = tuple[Any, int, int]
 """Kind of a body, bit mask of its layers, and bit mask of the layers that it collides with."""
@@ -279,10 +332,19 @@ def distance(question: _Question) -> Any: ...
 def within(question: _Question, clearance: float) -> Any: ...
 def penetration(question: _Question) -> Any: ...
 def contacts_of(question: _Question, margin: float, most_points: int) -> Any: ...
-def contact_normals(
-    question: _Question, pairs: NDArray[np.uint32]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
-def contact_points(question: _Question, pairs: NDArray[np.uint32]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]: ...
+def fcl_collide(a: ObjectBase, b: ObjectBase, limit: Any, details: bool) -> list[tuple[Any, ...]] | None: ...
+def fcl_distance(
+    a: ObjectBase, b: ObjectBase, is_signed: bool, details: bool
+) -> tuple[float, int, int, NDArray[np.float64] | None]: ...
+def manager_any(manager: ManagerBase, other: _Others) -> tuple[int, int] | None: ...
+def manager_collides(manager: ManagerBase, other: _Others) -> bool: ...
+def manager_contacts(manager: ManagerBase, other: _Others) -> tuple[_KeyPairs, _ContactColumns]: ...
+def manager_each_by_gap(manager: ManagerBase, other: _Others, visit: Callable[[int, int], float]) -> None: ...
+def manager_each_near(manager: ManagerBase, other: _Others, visit: Callable[[int, int], bool]) -> None: ...
+def manager_nearest(
+    manager: ManagerBase, other: _Others, skipped: int | None
+) -> tuple[tuple[int, int], float, tuple[int, int], NDArray[np.float64]] | None: ...
+def manager_pairs(manager: ManagerBase, other: _Others) -> _KeyPairs: ...
 def check_scene(
     parts: list[tuple[str, Any, bool, Any]],
     ignored: list[tuple[int, int]],

@@ -3,9 +3,10 @@
 
 use impinge::budget::Budget;
 use impinge::query::{self, ContactPatch, Penetration, Query};
+use numpy::PyArray1;
 use pyo3::prelude::*;
+use pyo3::types::PyList;
 
-use crate::arrays::row_array;
 use crate::fcl_object::{ObjectBase, Placed};
 use crate::fcl_work::about_two;
 
@@ -34,8 +35,8 @@ pub(crate) struct Wanted {
     pub(crate) details: bool,
 }
 
-/// Returns the contacts of two objects, or `None` if there are none: the faces, (k, 2), and, if
-/// `details` is set, points, (k, 3), normals, (k, 3), and depths, (k,).
+/// Returns the contacts of two objects, or `None` if there are none: a list with a tuple for
+/// each. It has the two faces and, if `details` is set, the point, (3,), normal, (3,), and depth.
 #[pyfunction]
 pub(crate) fn fcl_collide<'py>(
     a: &Bound<'py, ObjectBase>,
@@ -55,15 +56,15 @@ pub(crate) fn fcl_collide<'py>(
     if found.is_empty() {
         return Ok(None);
     }
-    let faces: Vec<(i64, i64)> = found.iter().map(|contact| contact.faces.into()).collect();
-    if !details {
-        return Ok(Some((faces,).into_pyobject(py)?.into_any()));
-    }
-    let count = [found.len()];
-    let points = row_array(py, found.iter().map(|contact| contact.point).collect(), &count)?;
-    let normals = row_array(py, found.iter().map(|contact| contact.normal).collect(), &count)?;
-    let depths: Vec<f64> = found.iter().map(|contact| contact.depth).collect();
-    Ok(Some((faces, points, normals, depths).into_pyobject(py)?.into_any()))
+    let rows = found.into_iter().map(|Contact { faces: [face_a, face_b], point, normal, depth }| {
+        let faces = (face_a, face_b);
+        if !details {
+            return Ok((faces,).into_pyobject(py)?.into_any());
+        }
+        let [point, normal] = [point, normal].map(|vector| PyArray1::from_slice(py, &vector));
+        Ok((faces, (point, normal, depth)).into_pyobject(py)?.into_any())
+    });
+    Ok(Some(PyList::new(py, rows.collect::<PyResult<Vec<_>>>()?)?.into_any()))
 }
 
 /// Returns a maximum number of contacts.

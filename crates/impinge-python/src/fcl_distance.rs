@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::row_array;
 use crate::fcl_contacts::deepest;
+use crate::fcl_geometry::Body;
 use crate::fcl_object::{ObjectBase, Placed};
 use crate::fcl_work::about_two;
 
@@ -40,36 +41,50 @@ pub(crate) fn fcl_distance<'py>(
     Ok((found.value, found.faces[0], found.faces[1], points))
 }
 
+/// Maximum number of faces of a convex solid whose distance is measured by its hull. Building the
+/// hull of more faces takes longer than a search among them.
+const MAX_FACES_OF_HULL: u64 = 1 << 8;
+
 /// Returns the distance of two bodies. It is infinite if a body is empty, 0 if two surfaces
 /// intersect or two solids only touch, and -1 if two other bodies collide. If `is_signed` is set and
 /// both bodies are solid, it is minus their depth instead of -1. Distance and depth are upper bounds.
 pub(crate) fn separation(a: &Placed, b: &Placed, is_signed: bool, budget: &Budget<'_>) -> Separation {
     let query = || Query::new().with_budget(budget);
+    let are_solids = a.body.is_solid && b.body.is_solid;
+    let are_surfaces = !a.body.is_solid && !b.body.is_solid;
     let are_meshes = a.mesh().is_some() && b.mesh().is_some();
-    let far = if are_meshes { query().distance(&a.shape, &b.shape) } else { query().distance(a.hull(), b.hull()) };
+    let is_small = |body: &Body| body.weight <= MAX_FACES_OF_HULL;
+    let are_few = is_small(&a.body) && is_small(&b.body);
+    let by_faces = are_meshes && !(are_solids && are_few && a.body.is_convex() && b.body.is_convex());
+    let far = if by_faces { query().distance(&a.shape, &b.shape) } else { query().distance(a.hull(), b.hull()) };
     let points = far.points().unwrap_or_default();
     let faces = far.witness.and_then(|witness| witness.faces).map_or([-1; 2], |faces| faces.map(i64::from));
     let faces = [if a.body.is_solid { -1 } else { faces[0] }, if b.body.is_solid { -1 } else { faces[1] }];
     let value = far.distance();
-    let [solids, surfaces] = [a.body.is_solid && b.body.is_solid, !a.body.is_solid && !b.body.is_solid];
-    if value > 0.0 || surfaces {
+    if value > 0.0 || are_surfaces {
         return Separation { value, points, faces };
     }
     let overlap = Separation { value: OVERLAP, points: [[0.0; 3]; 2], faces };
-    if !solids {
+    if !are_solids {
         return overlap;
     }
-    if are_meshes && query().penetrates(&a.shape, &b.shape) == Penetrates::No {
-        return Separation { value: 0.0, points, faces };
+    let touch = Separation { value: 0.0, points, faces };
+    let are_convex = a.body.is_convex() && b.body.is_convex();
+    if !are_convex && query().penetrates(&a.shape, &b.shape) == Penetrates::No {
+        return touch;
     }
-    if are_meshes && !is_signed {
+    if !are_convex && !is_signed {
         return overlap;
     }
     let Penetration { lower, upper, point_a, point_b, .. } = deepest(a, b, budget);
-    match (is_signed, are_meshes) {
-        (true, true) => Separation { value: -upper, points: [point_a, point_b], faces },
-        (true, false) if upper > 0.0 => Separation { value: -upper, points: [point_a, point_b], faces },
-        _ if lower > 0.0 => overlap,
-        _ => Separation { value: 0.0, points, faces },
+    let is_proved = !are_convex || lower > 0.0;
+    if !is_proved && (upper == 0.0 || (are_meshes && query().penetrates(&a.shape, &b.shape) == Penetrates::No)) {
+        return touch;
+    }
+    match is_signed {
+        true => Separation { value: -upper, points: [point_a, point_b], faces },
+        // Round bodies that may only touch are not reported to overlap.
+        false if !is_proved && !are_meshes => touch,
+        false => overlap,
     }
 }

@@ -4,7 +4,7 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use impinge::Mesh;
-use impinge::hull::Hull;
+use impinge::hull::{Hull, HullKind};
 use impinge::shape::Shape;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
@@ -31,7 +31,14 @@ pub(crate) struct Body {
     /// Number of pieces that a query compares.
     pub(crate) weight: u64,
     /// Convex hull of a solid mesh, once it was requested.
-    hull: OnceLock<Shape>,
+    hull: OnceLock<SolidHull>,
+}
+
+/// Convex hull of a solid mesh.
+struct SolidHull {
+    shape: Shape,
+    /// Whether the solid is its hull, exactly.
+    is_solid: bool,
 }
 
 #[pymethods]
@@ -89,11 +96,39 @@ impl Body {
     /// Returns the shape whose penetration is measured: the convex hull of a solid mesh, and any
     /// other body as it is.
     pub(crate) fn hull(&self) -> &Shape {
-        let Some(mesh) = self.mesh().filter(|_| self.is_solid) else { return &self.shape };
-        self.hull.get_or_init(|| {
-            let corners: Vec<[f64; 3]> = (0..mesh.faces().len() as u32).flat_map(|face| mesh.corners(face)).collect();
-            // A mesh with faces has a hull. An empty mesh collides with nothing.
-            Hull::new(&corners).map_or_else(|_| self.shape.clone(), |hull| Shape::hull(Arc::new(hull)))
-        })
+        self.solid_hull().map_or(&self.shape, |hull| &hull.shape)
     }
+
+    /// Reports whether the body is its [`hull`](Self::hull), exactly. This is true of a shape
+    /// without a mesh.
+    pub(crate) fn is_convex(&self) -> bool {
+        match self.solid_hull() {
+            Some(hull) => hull.is_solid,
+            None => self.mesh().is_none(),
+        }
+    }
+
+    fn solid_hull(&self) -> Option<&SolidHull> {
+        let mesh = self.mesh().filter(|_| self.is_solid)?;
+        Some(self.hull.get_or_init(|| {
+            let corners: Vec<[f64; 3]> = (0..mesh.faces().len() as u32).flat_map(|face| mesh.corners(face)).collect();
+            match Hull::new(&corners) {
+                Ok(hull) => {
+                    let is_solid = mesh.is_hull(&hull);
+                    let shape = cuboid_of(&hull).unwrap_or_else(|| Shape::hull(Arc::new(hull)));
+                    SolidHull { shape, is_solid }
+                }
+                // An empty mesh collides with nothing.
+                Err(_) => SolidHull { shape: self.shape.clone(), is_solid: false },
+            }
+        }))
+    }
+}
+
+/// Returns a hull as a box, if it is a box around the origin. Boxes have a closed form.
+fn cuboid_of(hull: &Hull) -> Option<Shape> {
+    let half_extents = hull.positions().first()?.map(f64::abs);
+    let is_corner = |position: &[f64; 3]| position.map(f64::abs) == half_extents;
+    let is_box = hull.kind() == HullKind::Solid && hull.positions().len() == 8;
+    (is_box && hull.positions().iter().all(is_corner)).then(|| Shape::cuboid(half_extents).ok())?
 }

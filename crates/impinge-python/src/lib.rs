@@ -68,7 +68,8 @@ mod _impinge {
     use super::limits::Limits;
     #[pymodule_export]
     use super::manager_queries::{
-        manager_any, manager_collides, manager_contacts, manager_near, manager_nearest, manager_pairs,
+        manager_any, manager_collides, manager_contacts, manager_each_by_gap, manager_each_near, manager_nearest,
+        manager_pairs,
     };
     #[pymodule_export]
     use super::managers::ManagerBase;
@@ -99,8 +100,7 @@ mod _impinge {
     use super::solid_bsp::SolidBspCore;
     #[pymodule_export]
     use super::verbs::{
-        contact_normals, contact_points, contacts_of, intersecting_pairs, intersection_curves, intersects, penetrates,
-        self_intersecting_pairs,
+        contacts_of, intersecting_pairs, intersection_curves, intersects, penetrates, self_intersecting_pairs,
     };
     #[pymodule_export]
     use super::volumes::{convex_hull, fit_volume, proxies};

@@ -52,16 +52,23 @@ impl Asked {
         Some([self.own.get(a)?, self.other.as_ref().unwrap_or(&self.own).get(b)?])
     }
 
-    fn ordered(&self, pair: [u32; 2]) -> [u32; 2] {
-        if self.other.is_some() { pair } else { self.own.ordered(pair) }
-    }
-
     /// Visits the pairs whose boxes overlap, in no particular order.
     fn each_near(&self, visit: &mut dyn FnMut([u32; 2]) -> ControlFlow<()>) {
         let _ = match &self.other {
             None => self.own.tree.for_each_pair(&mut |pair| visit(self.own.ordered(pair))),
             Some(other) => self.own.tree.for_each_pair_with_tree(&other.tree, visit),
         };
+    }
+
+    /// Visits pairs in ascending order of the gap between their boxes. The visitor returns the
+    /// largest gap to visit from then on.
+    fn each_by_gap(&self, reach: f64, visit: &mut dyn FnMut([u32; 2]) -> f64) {
+        match &self.other {
+            None => self.own.tree.for_each_pair_by_gap(reach, &mut |pair, _| visit(self.own.ordered(pair))),
+            Some(other) => {
+                self.own.tree.for_each_pair_with_tree_by_gap(&other.tree, reach, &mut |pair, _| visit(pair));
+            }
+        }
     }
 
     /// Returns the pairs whose boxes overlap, in the order of insertion of their members.
@@ -117,12 +124,11 @@ impl Asked {
         let limits = Limits::of(self);
         let mut best: Option<([u32; 2], Separation)> = None;
         let mut stopped = Ok(());
-        let mut visit = |pair: [u32; 2], _: f64| {
+        let mut visit = |pair: [u32; 2]| {
             if let Err(reason) = budget.check() {
                 stopped = Err(reason);
                 return f64::NEG_INFINITY;
             }
-            let pair = self.ordered(pair);
             let members = self.pair(pair).filter(|_| skipped != Some(pair[0]));
             if let Some(members) = members {
                 let found = match known {
@@ -135,11 +141,8 @@ impl Asked {
             }
             best.map_or(f64::INFINITY, |(_, least)| limits.reach(least.value))
         };
-        let reach = known.map_or(f64::INFINITY, |(_, found)| limits.reach(found.value));
-        match &self.other {
-            None => self.own.tree.for_each_pair_by_gap(reach, &mut visit),
-            Some(other) => self.own.tree.for_each_pair_with_tree_by_gap(&other.tree, reach, &mut visit),
-        }
+        let reach = known.map_or(f64::INFINITY, |(_, found)| limits.reach_of_equal(found.value));
+        self.each_by_gap(reach, &mut visit);
         stopped.map(|()| best.filter(|(_, found)| found.value < f64::INFINITY))
     }
 }
@@ -160,13 +163,19 @@ impl Limits {
 
     /// Returns the largest gap of the boxes of a pair whose signed distance may be below `least`.
     fn reach(self, least: f64) -> f64 {
-        match (self.has_surfaces, self.has_solids) {
-            _ if least > 0.0 => least,
-            // Surfaces that intersect have distance 0.
-            (_, false) => f64::NEG_INFINITY,
-            // A surface and a solid that collide have distance -1, however deep their boxes are.
-            (true, true) if least > OVERLAP => 0.0,
-            _ => least / (1.0 + DEPTH_MARGIN),
+        // Surfaces that intersect have distance 0.
+        if least <= 0.0 && !self.has_solids { f64::NEG_INFINITY } else { self.reach_of_equal(least) }
+    }
+
+    /// Returns the largest gap of the boxes of a pair whose signed distance may be `least` or below.
+    fn reach_of_equal(self, least: f64) -> f64 {
+        if least > 0.0 {
+            least
+        } else if self.has_surfaces && least >= OVERLAP {
+            // Bodies that overlap have this distance if one is a surface, however deep they are.
+            0.0
+        } else {
+            least / (1.0 + DEPTH_MARGIN)
         }
     }
 }
@@ -198,14 +207,44 @@ fn any_colliding(manager: &Bound<'_, ManagerBase>, asked: Asked, is_within: bool
     Ok(found)
 }
 
-/// Returns the pairs whose boxes overlap.
+/// Calls `visit` with the keys of the pairs whose boxes overlap, until it returns `True`.
 #[pyfunction]
-pub(crate) fn manager_near(
+pub(crate) fn manager_each_near(
     manager: &Bound<'_, ManagerBase>,
     other: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Vec<(u32, u32)>> {
-    let asked = Asked::read(manager, other)?;
-    Ok(asked.near().into_iter().map(Into::into).collect())
+    visit: &Bound<'_, PyAny>,
+) -> PyResult<()> {
+    let mut done = Ok(());
+    Asked::read(manager, other)?.each_near(&mut |pair| match visit
+        .call1((pair[0], pair[1]))
+        .and_then(|it| it.is_truthy())
+    {
+        Ok(false) => ControlFlow::Continue(()),
+        Ok(true) => ControlFlow::Break(()),
+        Err(error) => {
+            done = Err(error);
+            ControlFlow::Break(())
+        }
+    });
+    done
+}
+
+/// Calls `visit` with the keys of the pairs in ascending order of the gap between their boxes. It
+/// returns the largest gap to visit from then on.
+#[pyfunction]
+pub(crate) fn manager_each_by_gap(
+    manager: &Bound<'_, ManagerBase>,
+    other: Option<&Bound<'_, PyAny>>,
+    visit: &Bound<'_, PyAny>,
+) -> PyResult<()> {
+    let mut done = Ok(());
+    Asked::read(manager, other)?.each_by_gap(f64::INFINITY, &mut |[a, b]| {
+        visit.call1((a, b)).and_then(|reach| reach.extract::<f64>()).unwrap_or_else(|error| {
+            done = Err(error);
+            f64::NEG_INFINITY
+        })
+    });
+    done
 }
 
 /// Returns all pairs that collide.
