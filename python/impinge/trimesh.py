@@ -26,6 +26,8 @@ Examples
 
 from __future__ import annotations
 
+import contextlib
+import weakref
 from collections.abc import Callable, Hashable, Sequence
 from typing import Any
 
@@ -45,6 +47,9 @@ _EXTERNAL = "__external"
 
 class ContactData:
     """Two faces in contact, or two bodies of which one is inside the other.
+
+    The points, normals and depths of all contacts of an answer are computed when the first of them
+    is read. Later changes of the manager do not affect them.
 
     Attributes
     ----------
@@ -74,17 +79,17 @@ class ContactData:
     @property
     def point(self) -> NDArray[np.float64]:
         """A common point, (3,)."""
-        return self._rows.points[self._row]
+        return self._rows.details()[0][self._row]
 
     @property
     def normal(self) -> NDArray[np.float64]:
         """The unit normal, (3,)."""
-        return self._rows.normals[self._row]
+        return self._rows.details()[1][self._row]
 
     @property
     def depth(self) -> float:
         """The depth."""
-        return float(self._rows.depths[self._row])
+        return float(self._rows.details()[2][self._row])
 
     def index(self, name: Hashable) -> int:
         """Return the face in contact of the object with this name, as an index into its faces.
@@ -101,22 +106,36 @@ class ContactData:
     def __reduce__(self) -> tuple[Any, ...]:
         """Return how to make an equal contact, without the others."""
         row = slice(self._row, self._row + 1)
-        rows = self._rows
-        columns = [column[row] for column in (rows.faces, rows.points, rows.normals, rows.depths)]
-        return type(self), (_Contacts([rows.names_of(self._row)], [np.zeros(1, np.int64), *columns]), 0)
+        faces = np.zeros(1, np.int64), self._rows.faces[row]
+        details = [column[row] for column in self._rows.details()]
+        return type(self), (_Contacts([self._rows.names_of(self._row)], faces, details), 0)
 
 
 class _Contacts:
-    """Columns of contacts: pairs of names, and for each contact its pair, faces and geometry."""
+    """Columns of contacts. Those of points, normals and depths are computed at the first use."""
 
-    __slots__ = ("depths", "faces", "normals", "pairs", "pairs_of_rows", "points")
+    __slots__ = ("_details", "_found", "faces", "pairs", "pairs_of_rows")
 
-    def __init__(self, pairs: list[tuple[Hashable, Hashable]], columns: Sequence[NDArray[Any]]) -> None:
+    def __init__(
+        self,
+        pairs: list[tuple[Hashable, Hashable]],
+        faces: Sequence[NDArray[np.int64]],
+        details: Sequence[NDArray[np.float64]] | _impinge.ManagerContacts,
+    ) -> None:
         self.pairs = pairs
-        self.pairs_of_rows, self.faces, self.points, self.normals, self.depths = columns
+        self.pairs_of_rows, self.faces = faces
+        self._found = details if isinstance(details, _impinge.ManagerContacts) else None
+        self._details = None if isinstance(details, _impinge.ManagerContacts) else details
 
     def names_of(self, row: int) -> tuple[Hashable, Hashable]:
         return self.pairs[self.pairs_of_rows[row]]
+
+    def details(self) -> Sequence[NDArray[np.float64]]:
+        """Return the points and the normals, (k, 3), and the depths, (k,), of all contacts."""
+        if self._details is None:
+            assert self._found is not None
+            self._details, self._found = self._found.details(), None
+        return self._details
 
 
 class DistanceData:
@@ -329,18 +348,16 @@ class CollisionManager(_impinge.ManagerBase):
         """
         if not (return_names or return_data):
             return _impinge.manager_collides(self, other)
-        if return_data:
-            keys, columns = _impinge.manager_contacts(self, other)
-        else:
-            keys = _impinge.manager_pairs(self, other)
+        found = _impinge.manager_contacts(self, other) if return_data else None
+        keys = _impinge.manager_pairs(self, other) if found is None else found.pairs()
         own_names = self._names
         pairs = [(own_names[a], other_names[b]) for a, b in keys]
         chosen: list[Any] = [bool(pairs)]
         if return_names:
             chosen.append(set(map(convert_names, pairs)))
-        if return_data:
-            rows = _Contacts(pairs, columns)
-            chosen.append([ContactData(rows, row) for row in range(len(rows.depths))])
+        if found is not None:
+            rows = _Contacts(pairs, found.faces(), found)
+            chosen.append([ContactData(rows, row) for row in range(len(rows.faces))])
         return tuple(chosen)
 
     def _minimum_distance(
@@ -421,15 +438,33 @@ def scene_to_collision(scene: Any) -> tuple[CollisionManager, dict[Hashable, fcl
 
 
 class _Geometry(fcl.CollisionGeometry):
-    """A mesh as a geometry, without copying it."""
+    """A mesh as a geometry."""
 
     def __init__(self, mesh: Mesh, *, solid: bool) -> None:
         self._complete(mesh, solid=solid)
 
 
+_KNOWN: dict[int, tuple[weakref.ref[Any], _Geometry]] = {}
+"""Geometries of meshes of other libraries that are alive, by the identities of the meshes. They are
+used again if the mesh still has the same vertices and faces."""
+
+
+def _geometry_of(mesh: HasTriangles | Mesh) -> _Geometry:
+    """Return a mesh as a geometry: the last one of this mesh, if the mesh did not change."""
+    if isinstance(mesh, Mesh):
+        return _Geometry(mesh, solid=False)
+    solid, identity = bool(getattr(mesh, "is_convex", False)), id(mesh)
+    known = _KNOWN.get(identity)
+    if known is not None and known[0]() is mesh and known[1]._is_of(mesh.vertices, mesh.faces, solid):
+        return known[1]
+    made = _Geometry(Mesh(mesh), solid=solid)
+    with contextlib.suppress(TypeError):  # an object without weak references is converted each time
+        _KNOWN[identity] = weakref.ref(mesh, lambda _: _KNOWN.pop(identity, None)), made
+    return made
+
+
 def _object(mesh: HasTriangles | Mesh, transform: ArrayLike | None) -> fcl.CollisionObject:
-    solid = bool(getattr(mesh, "is_convex", False))
-    made = fcl.CollisionObject(_Geometry(mesh if isinstance(mesh, Mesh) else Mesh(mesh), solid=solid))
+    made = fcl.CollisionObject(_geometry_of(mesh))
     if transform is not None:
         _set_matrix(made, transform)
     return made

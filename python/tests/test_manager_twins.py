@@ -108,7 +108,7 @@ def test_a_manager_answers_as_a_loop_over_all_pairs(step):
     rng = np.random.default_rng(int(8 * step))
     manager, twin = CollisionManager(), Twin()
     done, hits, overlaps, touches = set(), [], 0, 0
-    for _ in range(12):
+    for _ in range(30):
         for _ in range(4):
             done.add(change(rng, manager, twin, step))
         held = twin.held
@@ -281,3 +281,34 @@ def test_callbacks_may_change_the_manager_and_raise():
     for ask in (manager.collide, manager.distance):
         with pytest.raises(KeyError, match="mine"):
             ask(None, fail)
+
+
+def test_a_mesh_that_changes_in_place_is_converted_again():
+    """Also if its library does not notice the change."""
+    trimesh = pytest.importorskip("trimesh")
+    manager, box = CollisionManager(), trimesh.creation.box()
+    manager.add_object("box", box)
+    probe = trimesh.creation.box()
+    aside = impinge.pose([1.5, 0, 0])
+    assert manager.in_collision_single(probe, aside) is manager.in_collision_single(probe, aside) is False
+    np.asarray(probe.vertices)[:] *= 2
+    assert manager.in_collision_single(probe, aside) is True
+    assert manager.in_collision_single(box, aside) is False
+    probe.faces = probe.faces[:, ::-1]
+    assert manager.in_collision_single(probe, aside) is True
+
+
+def test_contacts_keep_their_numbers_after_changes():
+    manager, box = CollisionManager(), ConvexMesh(CUBE)
+    manager.add_object("a", box)
+    manager.add_object("b", box, impinge.pose([0.75, 0, 0]))
+    _, before = manager.in_collision_internal(return_data=True)
+    _, read = manager.in_collision_internal(return_data=True)
+    expected = [(tuple(contact.point), contact.depth) for contact in read]
+    manager.set_transform("b", impinge.pose([0.5, 0, 0]))
+    manager.remove_object("a")
+    assert [(tuple(contact.point), contact.depth) for contact in before] == expected
+    assert before[0].depth == pytest.approx(0.25)
+    assert before[0].names == {"a", "b"}
+    with pytest.raises(KeyError):
+        before[0].index("c")

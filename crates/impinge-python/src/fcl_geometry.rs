@@ -3,9 +3,10 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use impinge::Mesh;
 use impinge::hull::{Hull, HullKind};
 use impinge::shape::Shape;
+use impinge::{Mesh, Positions};
+use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
 
@@ -68,6 +69,15 @@ impl GeometryBase {
         *self.0.body.lock().unwrap_or_else(PoisonError::into_inner) = body;
         Ok(())
     }
+
+    /// Reports whether the body is the mesh of these arrays, doubles and 64-bit integers.
+    fn _is_of(&self, vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>, is_solid: bool) -> bool {
+        let Ok(body) = self.0.body() else { return false };
+        let Some(mesh) = body.mesh().filter(|_| body.is_solid == is_solid) else { return false };
+        let Positions::F64(positions) = mesh.positions() else { return false };
+        holds(vertices, positions.as_flattened(), |own: &f64, number| own.to_bits() == number.to_bits())
+            && holds(faces, mesh.faces().as_flattened(), |own: &i64, number| *own == i64::from(*number))
+    }
 }
 
 impl Geometry {
@@ -111,8 +121,7 @@ impl Body {
     fn solid_hull(&self) -> Option<&SolidHull> {
         let mesh = self.mesh().filter(|_| self.is_solid)?;
         Some(self.hull.get_or_init(|| {
-            let corners: Vec<[f64; 3]> = (0..mesh.faces().len() as u32).flat_map(|face| mesh.corners(face)).collect();
-            match Hull::new(&corners) {
+            match Hull::new(&corners_of(mesh)) {
                 Ok(hull) => {
                     let is_solid = mesh.is_hull(&hull);
                     let shape = cuboid_of(&hull).unwrap_or_else(|| Shape::hull(Arc::new(hull)));
@@ -123,6 +132,21 @@ impl Body {
             }
         }))
     }
+}
+
+/// Returns the vertices that a mesh uses, each once.
+fn corners_of(mesh: &Mesh) -> Vec<[f64; 3]> {
+    let mut is_new = vec![true; mesh.positions().len()];
+    let corners = (0..).zip(mesh.faces()).flat_map(|(face, vertices)| vertices.iter().zip(mesh.corners(face)));
+    corners.filter(|(vertex, _)| std::mem::take(&mut is_new[**vertex as usize])).map(|(_, corner)| corner).collect()
+}
+
+/// Reports whether a value is an array of these numbers, in this order.
+fn holds<T: Element, U: Copy>(value: &Bound<'_, PyAny>, numbers: &[U], is_same: impl Fn(&T, &U) -> bool) -> bool {
+    let Ok(array) = value.cast::<PyArrayDyn<T>>() else { return false };
+    let is_plain = array.is_c_contiguous() && array.data().is_aligned() && array.len() == numbers.len();
+    let Ok(array) = array.try_readonly() else { return false };
+    is_plain && array.as_slice().is_ok_and(|own| own.iter().zip(numbers).all(|(own, number)| is_same(own, number)))
 }
 
 /// Returns a hull as a box, if it is a box around the origin. Boxes have a closed form.

@@ -17,6 +17,7 @@ mod fcl_object;
 mod fcl_work;
 mod inspection;
 mod limits;
+mod manager_contacts;
 mod manager_queries;
 mod managers;
 mod mesh;
@@ -67,9 +68,10 @@ mod _impinge {
     #[pymodule_export]
     use super::limits::Limits;
     #[pymodule_export]
+    use super::manager_contacts::{ManagerContacts, manager_contacts};
+    #[pymodule_export]
     use super::manager_queries::{
-        manager_any, manager_collides, manager_contacts, manager_each_by_gap, manager_each_near, manager_nearest,
-        manager_pairs,
+        manager_any, manager_collides, manager_each_by_gap, manager_each_near, manager_nearest, manager_pairs,
     };
     #[pymodule_export]
     use super::managers::ManagerBase;

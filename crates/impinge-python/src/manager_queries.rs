@@ -12,9 +12,8 @@ use impinge::query::Query;
 use impinge::query::batch::Execution;
 use pyo3::prelude::*;
 
-use crate::arrays::{array, row_array};
+use crate::arrays::row_array;
 use crate::errors::Fault;
-use crate::fcl_contacts::{Contact, Wanted, contacts};
 use crate::fcl_distance::{OVERLAP, Separation, separation};
 use crate::fcl_object::{ObjectBase, Placed};
 use crate::managers::{ManagerBase, Members};
@@ -26,14 +25,14 @@ const DEPTH_MARGIN: f64 = 1.0 / 1024.0;
 
 /// Members of a manager, and the members that they are compared with, if these are others.
 #[derive(Clone)]
-struct Asked {
+pub(crate) struct Asked {
     own: Arc<Members>,
     other: Option<Arc<Members>>,
 }
 
 impl Asked {
     /// Reads a manager, and `None`, another manager or an object.
-    fn read(manager: &Bound<'_, ManagerBase>, other: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+    pub(crate) fn read(manager: &Bound<'_, ManagerBase>, other: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let py = manager.py();
         let own = manager.get().snapshot(py)?;
         let other = match other {
@@ -48,7 +47,7 @@ impl Asked {
     }
 
     /// Returns the two members of a pair, or `None` if one of them is not there.
-    fn pair(&self, [a, b]: [u32; 2]) -> Option<[&Placed; 2]> {
+    pub(crate) fn pair(&self, [a, b]: [u32; 2]) -> Option<[&Placed; 2]> {
         Some([self.own.get(a)?, self.other.as_ref().unwrap_or(&self.own).get(b)?])
     }
 
@@ -72,7 +71,7 @@ impl Asked {
     }
 
     /// Returns the pairs whose boxes overlap, in the order of insertion of their members.
-    fn near(&self) -> Vec<[u32; 2]> {
+    pub(crate) fn near(&self) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
         self.each_near(&mut |pair| {
             pairs.push(pair);
@@ -260,39 +259,6 @@ pub(crate) fn manager_pairs(
     Ok(near.into_iter().zip(hits).filter(|(_, is_hit)| *is_hit).map(|(pair, _)| pair.into()).collect())
 }
 
-/// Columns of contacts: indices of pairs, (k,), faces, (k, 2), points and normals, (k, 3), and
-/// depths, (k,).
-type Columns<'py> = [Bound<'py, PyAny>; 5];
-
-/// Returns all pairs that collide, and the columns of their contacts.
-#[pyfunction]
-pub(crate) fn manager_contacts<'py>(
-    manager: &Bound<'py, ManagerBase>,
-    other: Option<&Bound<'py, PyAny>>,
-) -> PyResult<(Vec<(u32, u32)>, Columns<'py>)> {
-    let py = manager.py();
-    let asked = Asked::read(manager, other)?;
-    let near = asked.near();
-    let pairs = near.clone();
-    let wanted = Wanted { limit: usize::MAX, details: true };
-    let found = all_rows(py, near.len(), move |row, budget| match asked.pair(pairs[row]) {
-        Some([a, b]) => contacts(a, b, wanted, budget),
-        None => Vec::new(),
-    })?;
-    let hits: Vec<_> = near.into_iter().zip(found).filter(|(_, found)| !found.is_empty()).collect();
-    let numbered = || (0_i64..).zip(&hits).flat_map(|(number, (_, found))| found.iter().map(move |own| (number, own)));
-    let count = [hits.iter().map(|(_, found)| found.len()).sum()];
-    let vectors = |of: fn(&Contact) -> [f64; 3]| row_array(py, numbered().map(|(_, own)| of(own)).collect(), &count);
-    let columns = [
-        array(py, numbered().map(|(number, _)| number).collect(), &count)?,
-        row_array(py, numbered().map(|(_, own)| own.faces).collect(), &count)?,
-        vectors(|own| own.point)?,
-        vectors(|own| own.normal)?,
-        array(py, numbered().map(|(_, own)| own.depth).collect(), &count)?,
-    ];
-    Ok((hits.iter().map(|(pair, _)| (*pair).into()).collect(), columns))
-}
-
 /// Pair with the smallest signed distance: the pair, the distance, the faces, and the points, (2,
 /// 3).
 type Nearest<'py> = ((u32, u32), f64, (i64, i64), Bound<'py, PyAny>);
@@ -345,7 +311,7 @@ fn alone<T: Send + 'static>(
 
 /// Returns the answers of `ask` for all rows. The caller's thread begins. If that takes long, the
 /// pool answers the rows that are left.
-fn all_rows<T: Send + 'static>(
+pub(crate) fn all_rows<T: Send + 'static>(
     py: Python<'_>,
     count: usize,
     ask: impl Fn(usize, &Budget<'_>) -> T + Send + Sync + 'static,
