@@ -26,157 +26,23 @@ Examples
 
 from __future__ import annotations
 
-import contextlib
-import weakref
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from impinge import _impinge, fcl
 from impinge._arrays import plain_faces
 from impinge._errors import InputError
+from impinge._manager_answers import ContactData, Contacts, DistanceData
+from impinge._manager_meshes import object_of, set_matrix
 from impinge._mesh import HasTriangles, Mesh
 
 __all__ = ["CollisionManager", "ContactData", "DistanceData", "mesh_to_BVH", "mesh_to_convex", "scene_to_collision"]
 
 _EXTERNAL = "__external"
 """Name of a mesh in contact data that is in no manager."""
-
-
-class ContactData:
-    """Two faces in contact, or two bodies of which one is inside the other.
-
-    The points, normals and depths of all contacts of an answer are computed when the first of them
-    is read. Later changes of the manager do not affect them.
-
-    Attributes
-    ----------
-    names : set of str
-        Names of the two objects; ``"__external"`` for an object that is in no manager.
-    point : (3,) float64 array
-        A common point of both faces, or of both bodies, in the world frame, rounded.
-    normal : (3,) float64 array
-        Unit vector in the world frame, from the mesh of this manager to the other one, or from the
-        mesh that was added first to the other one.
-    depth : float
-        In world units, at least zero. Two convex bodies, or a body inside another one: the upper
-        bound of `impinge.penetration`. Otherwise: the depth of the region in which the surfaces
-        penetrate each other, rounded. It is not the depth of the two faces.
-    """
-
-    __slots__ = ("_row", "_rows")
-
-    def __init__(self, rows: _Contacts, row: int) -> None:
-        self._rows, self._row = rows, row
-
-    @property
-    def names(self) -> set[Hashable]:
-        """The names of the two objects."""
-        return set(self._rows.names_of(self._row))
-
-    @property
-    def point(self) -> NDArray[np.float64]:
-        """A common point, (3,)."""
-        return self._rows.details()[0][self._row]
-
-    @property
-    def normal(self) -> NDArray[np.float64]:
-        """The unit normal, (3,)."""
-        return self._rows.details()[1][self._row]
-
-    @property
-    def depth(self) -> float:
-        """The depth."""
-        return float(self._rows.details()[2][self._row])
-
-    def index(self, name: Hashable) -> int:
-        """Return the face in contact of the object with this name, as an index into its faces.
-
-        It is -1 if one object is inside the other. Raise a `KeyError` for another name.
-        """
-        faces = self._rows.faces[self._row].tolist()
-        return dict(zip(self._rows.names_of(self._row), faces, strict=True))[name]
-
-    def __repr__(self) -> str:
-        """Return the names, the point and the depth."""
-        return f"ContactData({sorted(map(str, self.names))}, point={self.point.tolist()}, depth={self.depth:.6g})"
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Return how to make an equal contact, without the others."""
-        row = slice(self._row, self._row + 1)
-        faces = np.zeros(1, np.int64), self._rows.faces[row]
-        details = [column[row] for column in self._rows.details()]
-        return type(self), (_Contacts([self._rows.names_of(self._row)], faces, details), 0)
-
-
-class _Contacts:
-    """Columns of contacts. Those of points, normals and depths are computed at the first use."""
-
-    __slots__ = ("_details", "_found", "faces", "pairs", "pairs_of_rows")
-
-    def __init__(
-        self,
-        pairs: list[tuple[Hashable, Hashable]],
-        faces: Sequence[NDArray[np.int64]],
-        details: Sequence[NDArray[np.float64]] | _impinge.ManagerContacts,
-    ) -> None:
-        self.pairs = pairs
-        self.pairs_of_rows, self.faces = faces
-        self._found = details if isinstance(details, _impinge.ManagerContacts) else None
-        self._details = None if isinstance(details, _impinge.ManagerContacts) else details
-
-    def names_of(self, row: int) -> tuple[Hashable, Hashable]:
-        return self.pairs[self.pairs_of_rows[row]]
-
-    def details(self) -> Sequence[NDArray[np.float64]]:
-        """Return the points and the normals, (k, 3), and the depths, (k,), of all contacts."""
-        if self._details is None:
-            assert self._found is not None
-            self._details, self._found = self._found.details(), None
-        return self._details
-
-
-class DistanceData:
-    """Distance of two objects, and their nearest points.
-
-    Attributes
-    ----------
-    names : set of str
-        Names of the two objects; ``"__external"`` for an object that is in no manager.
-    distance : float
-        In world units: the upper bound of `impinge.distance`. Minus the depth if two convex bodies
-        overlap, -1 if a convex body and a surface collide, and 0 if two surfaces intersect.
-    """
-
-    def __init__(
-        self,
-        names: tuple[Hashable, Hashable],
-        distance: float,
-        faces: tuple[int, int],
-        points: NDArray[np.float64],
-    ) -> None:
-        self.names = set(names)
-        self.distance = distance
-        self._faces = dict(zip(names, faces, strict=True))
-        self._points = dict(zip(names, points, strict=True))
-
-    def index(self, name: Hashable) -> int:
-        """Return the nearest face of the object with this name, as an index into its faces.
-
-        It is -1 if the object is convex, or is a surface inside a convex one. Raise a `KeyError`
-        for another name.
-        """
-        return self._faces[name]
-
-    def point(self, name: Hashable) -> NDArray[np.float64]:
-        """Return the nearest point, (3,), of the object with this name, in the world frame.
-
-        It is rounded. It is zero if a convex object and a surface collide, and the deepest point if
-        two convex objects overlap. Raise a `KeyError` for another name.
-        """
-        return self._points[name]
 
 
 _Answer = bool | tuple[Any, ...]
@@ -224,7 +90,7 @@ class CollisionManager(_impinge.ManagerBase):
         InputError
             If the mesh or the transform is invalid.
         """
-        made = _object(mesh, transform)
+        made = object_of(mesh, transform)
         self._add(name, made)
         return made
 
@@ -245,7 +111,7 @@ class CollisionManager(_impinge.ManagerBase):
         Raise a `ValueError` if there is no mesh with this name.
         """
         _, own = self._named(name)
-        _set_matrix(own, transform)
+        set_matrix(own, transform)
 
     def in_collision_single(
         self,
@@ -259,7 +125,7 @@ class CollisionManager(_impinge.ManagerBase):
         `transform` is world from mesh. If requested, the names of the colliding meshes of the
         manager and a list of `ContactData` follow.
         """
-        other = _object(mesh, transform)
+        other = object_of(mesh, transform)
         return self._collisions(other, {0: _EXTERNAL}, _first, return_names, return_data)
 
     def in_collision_internal(self, return_names: bool = False, return_data: bool = False) -> _Answer:
@@ -294,7 +160,7 @@ class CollisionManager(_impinge.ManagerBase):
         the depth. `transform` is world from mesh. If requested, the name of the nearest mesh in the
         manager and a `DistanceData` follow, or None twice if the distance is infinite.
         """
-        other = _object(mesh, transform)
+        other = object_of(mesh, transform)
         return self._minimum_distance(
             _impinge.manager_nearest(self, other, None), {0: _EXTERNAL}, _first, return_name, return_data
         )
@@ -347,7 +213,7 @@ class CollisionManager(_impinge.ManagerBase):
         `convert_names` converts the names of a pair to the form that the caller returns.
         """
         if not (return_names or return_data):
-            return _impinge.manager_collides(self, other)
+            return _impinge.manager_any(self, other) is not None
         found = _impinge.manager_contacts(self, other) if return_data else None
         keys = _impinge.manager_pairs(self, other) if found is None else found.pairs()
         own_names = self._names
@@ -356,13 +222,13 @@ class CollisionManager(_impinge.ManagerBase):
         if return_names:
             chosen.append(set(map(convert_names, pairs)))
         if found is not None:
-            rows = _Contacts(pairs, found.faces(), found)
+            rows = Contacts(pairs, found.faces(), found)
             chosen.append([ContactData(rows, row) for row in range(len(rows.faces))])
         return tuple(chosen)
 
     def _minimum_distance(
         self,
-        found: tuple[tuple[int, int], float, tuple[int, int], NDArray[np.float64]] | None,
+        found: tuple[Any, ...] | None,
         other_names: dict[int, Hashable],
         convert_names: Callable[[tuple[Any, Any]], object],
         return_names: bool,
@@ -377,7 +243,7 @@ class CollisionManager(_impinge.ManagerBase):
             return (np.inf, *[None] * (return_names + return_data)) if return_names or return_data else np.inf
         (a, b), distance, faces, points = found
         if not (return_names or return_data):
-            return distance
+            return float(distance)
         names = self._names[a], other_names[b]
         chosen: list[Any] = [distance]
         if return_names:
@@ -435,42 +301,3 @@ def scene_to_collision(scene: Any) -> tuple[CollisionManager, dict[Hashable, fcl
         transform, geometry = scene.graph[node]
         objects[node] = manager.add_object(node, scene.geometry[geometry], transform)
     return manager, objects
-
-
-class _Geometry(fcl.CollisionGeometry):
-    """A mesh as a geometry."""
-
-    def __init__(self, mesh: Mesh, *, solid: bool) -> None:
-        self._complete(mesh, solid=solid)
-
-
-_KNOWN: dict[int, tuple[weakref.ref[Any], _Geometry]] = {}
-"""Geometries of meshes of other libraries that are alive, by the identities of the meshes. They are
-used again if the mesh still has the same vertices and faces."""
-
-
-def _geometry_of(mesh: HasTriangles | Mesh) -> _Geometry:
-    """Return a mesh as a geometry: the last one of this mesh, if the mesh did not change."""
-    if isinstance(mesh, Mesh):
-        return _Geometry(mesh, solid=False)
-    solid, identity = bool(getattr(mesh, "is_convex", False)), id(mesh)
-    known = _KNOWN.get(identity)
-    if known is not None and known[0]() is mesh and known[1]._is_of(mesh.vertices, mesh.faces, solid):
-        return known[1]
-    made = _Geometry(Mesh(mesh), solid=solid)
-    with contextlib.suppress(TypeError):  # an object without weak references is converted each time
-        _KNOWN[identity] = weakref.ref(mesh, lambda _: _KNOWN.pop(identity, None)), made
-    return made
-
-
-def _object(mesh: HasTriangles | Mesh, transform: ArrayLike | None) -> fcl.CollisionObject:
-    made = fcl.CollisionObject(_geometry_of(mesh))
-    if transform is not None:
-        _set_matrix(made, transform)
-    return made
-
-
-def _set_matrix(own: fcl.CollisionObject, transform: ArrayLike) -> None:
-    if np.shape(transform) != (4, 4):
-        raise InputError("transform must be (4,4)!", kind="shape", what="transform")
-    own._set_matrix(transform, "transform")

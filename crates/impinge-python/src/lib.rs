@@ -70,9 +70,7 @@ mod _impinge {
     #[pymodule_export]
     use super::manager_contacts::{ManagerContacts, manager_contacts};
     #[pymodule_export]
-    use super::manager_queries::{
-        manager_any, manager_collides, manager_each_by_gap, manager_each_near, manager_nearest, manager_pairs,
-    };
+    use super::manager_queries::{manager_any, manager_each_by_gap, manager_each_near, manager_nearest, manager_pairs};
     #[pymodule_export]
     use super::managers::ManagerBase;
     #[pymodule_export]

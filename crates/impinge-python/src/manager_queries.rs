@@ -179,13 +179,6 @@ impl Limits {
     }
 }
 
-/// Reports whether any two members collide.
-#[pyfunction]
-pub(crate) fn manager_collides(manager: &Bound<'_, ManagerBase>, other: Option<&Bound<'_, PyAny>>) -> PyResult<bool> {
-    let asked = Asked::read(manager, other)?;
-    Ok(any_colliding(manager, asked, other.is_none())?.is_some())
-}
-
 /// Returns a pair that collides, or `None`.
 #[pyfunction]
 pub(crate) fn manager_any(
@@ -316,10 +309,12 @@ pub(crate) fn all_rows<T: Send + 'static>(
     count: usize,
     ask: impl Fn(usize, &Budget<'_>) -> T + Send + Sync + 'static,
 ) -> PyResult<Vec<T>> {
+    // With one thread, waking the pool is no help.
+    let is_one_thread = workers::requested_threads(py)? == 1;
     let cells: Arc<Vec<Mutex<Option<T>>>> = Arc::new((0..count).map(|_| Mutex::new(None)).collect());
     let kept = cells.clone();
     let call = Call { rows: 1, is_brief: true, progress: false };
-    workers::execute_interruptibly(py, call, false, move |execution: Execution<'_>| {
+    workers::execute_interruptibly(py, call, is_one_thread, move |execution: Execution<'_>| {
         let answered = execution.rows(
             count,
             || (),

@@ -310,7 +310,7 @@ impl<'py> Line<'py> {
 }
 
 /// Returns the number of threads that `impinge.threads` sets, or that of all processors.
-fn requested_threads(py: Python<'_>) -> PyResult<usize> {
+pub(crate) fn requested_threads(py: Python<'_>) -> PyResult<usize> {
     static REQUESTED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let asked: Option<usize> = REQUESTED.import(py, "impinge._threads", "asked")?.call_method0("get")?.extract()?;
     Ok(asked.unwrap_or_else(|| thread::available_parallelism().map_or(1, NonZero::get)))

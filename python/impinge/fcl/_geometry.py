@@ -174,7 +174,8 @@ class CollisionObject(_impinge.ObjectBase):
     @property
     def geometry(self) -> CollisionGeometry:
         """The surface or solid, in its own frame."""
-        return super().geometry
+        geometry: CollisionGeometry = super().geometry
+        return geometry
 
     @property
     def matrix(self) -> NDArray[np.float64]:

@@ -9,7 +9,8 @@ use impinge_testkit::generate::Rng;
 fn grid_triangles(rng: &mut Rng, count: u32, height: i64) -> Mesh {
     let mut corner = || [0, 1, 2].map(|k| rng.integer(0, if k == 2 { height } else { 4 }) as f64);
     let corners: Vec<[f64; 3]> = (0..3 * count).map(|_| corner()).collect();
-    Mesh::new(Positions::F64(corners), (0..count).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect()).unwrap()
+    let faces: Vec<[u32; 3]> = (0..count).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+    Mesh::new(Positions::F64(corners), faces).unwrap()
 }
 
 fn face(mesh: &Mesh, face: u32) -> Mesh {
