@@ -3,13 +3,18 @@
 //! Tests: `tests/it/engine/common_points.rs`. Benchmark: `bench/doors.py`.
 
 use crate::exact::{Crossing, Placement, crossing};
-use crate::math::vec3::{add, cross, dot, normalized, scale, sub};
+use crate::math::vec3::{add, cross, dot, normalized, scale, scaled_length, sub};
 use crate::mesh::PlacedMesh;
+use crate::primitive::closest_on_segments;
 
-/// Smallest sine of the angle between two planes for which floats are enough, 1/16. Rounding errors
-/// of a point grow with its inverse. A larger limit sends more pairs to exact arithmetic, which is
-/// 30 times slower.
+/// Smallest sine of the angle between two planes, and smallest height of a triangle relative to its
+/// edges, for which floats are enough: 1/16. Rounding errors of a point grow with the inverse of
+/// both. A larger limit sends more pairs to exact arithmetic, which takes microseconds for each.
 const MIN_SINE: f64 = 1.0 / 16.0;
+
+/// Height of a triangle relative to its edges, 2^-40, below which it counts as a segment. Rounding of
+/// the corners gives a segment a smaller height.
+const MIN_HEIGHT: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Returns a common point of each pair of intersecting faces: face of `a`, face of `b`.
 ///
@@ -29,7 +34,7 @@ const MIN_SINE: f64 = 1.0 / 16.0;
 /// ```
 ///
 /// # Accuracy
-/// A point is within rounding errors of both faces: 2^-44 of the largest coordinate. If the planes
+/// A point is within rounding errors of both faces: 2^-38 of the largest coordinate. If the planes
 /// of the faces are nearly parallel, each end of their segment is the exact point with each
 /// coordinate rounded.
 ///
@@ -61,10 +66,10 @@ pub fn common_points<'a, 'b>(
 }
 
 /// Returns the middle of the segment that two intersecting triangles share, if floats are enough:
-/// the planes are far from parallel, and each of them separates the corners of the other triangle.
+/// no triangle is thin, the planes are far from parallel, and each plane separates the corners of
+/// the other triangle.
 fn middle_in_floats(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Option<[f64; 3]> {
-    let normal_of = |[x, y, z]: &[[f64; 3]; 3]| normalized(&cross(&sub(y, x), &sub(z, x)));
-    let (normal_a, normal_b) = (normal_of(a)?, normal_of(b)?);
+    let (normal_a, normal_b) = (normal_of(a, MIN_SINE)?, normal_of(b, MIN_SINE)?);
     let along = cross(&normal_a, &normal_b);
     if dot(&along, &along) < MIN_SINE * MIN_SINE {
         return None;
@@ -74,6 +79,19 @@ fn middle_in_floats(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Option<[f64; 3]> {
     let mut ends = [a0, a1, b0, b1].map(|end| (dot(&along, &sub(&end, &a[0])), end));
     ends.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
     Some(std::array::from_fn(|k| ends[1].1[k] / 2.0 + ends[2].1[k] / 2.0))
+}
+
+/// Returns the unit normal of a triangle, or `None` if its height is less than `min_height` times
+/// the longer of two edges.
+fn normal_of([x, y, z]: &[[f64; 3]; 3], min_height: f64) -> Option<[f64; 3]> {
+    let edges = [sub(y, x), sub(z, x)];
+    let longer = scaled_length(&edges[0]).max(scaled_length(&edges[1]));
+    if longer < f64::MIN_POSITIVE {
+        return None;
+    }
+    let [one, other] = edges.map(|edge| edge.map(|x| x / longer));
+    let normal = cross(&one, &other);
+    if scaled_length(&normal) < min_height { None } else { normalized(&normal) }
 }
 
 /// Returns the points in which two edges of a triangle cross a plane, or `None` if the plane does
@@ -93,15 +111,32 @@ fn ends_in_plane(triangle: &[[f64; 3]; 3], normal: &[f64; 3], origin: &[f64; 3])
     Some([end((apex + 1) % 3), end((apex + 2) % 3)])
 }
 
-/// Returns the mean corner of the polygon that two triangles in one plane share. Clips the first
-/// triangle at the edges of the second (Sutherland, Hodgman, *Reentrant polygon clipping*, 1974).
+/// Returns a common point of two triangles in one plane, or of two triangles without area.
 fn point_of_plane(a: [[f64; 3]; 3], b: [[f64; 3]; 3]) -> [f64; 3] {
-    let normal_of = |[x, y, z]: &[[f64; 3]; 3]| normalized(&cross(&sub(y, x), &sub(z, x)));
-    let normal = normal_of(&b).or_else(|| normal_of(&a)).unwrap_or_default();
+    match (normal_of(&a, MIN_HEIGHT), normal_of(&b, MIN_HEIGHT)) {
+        (_, Some(normal)) => mean_corner(&a, &b, &normal),
+        (Some(normal), None) => mean_corner(&b, &a, &normal),
+        (None, None) => {
+            let found = closest_on_segments(&longest_edge(&a), &longest_edge(&b));
+            std::array::from_fn(|k| found.point_a[k] / 2.0 + found.point_b[k] / 2.0)
+        }
+    }
+}
+
+fn longest_edge(triangle: &[[f64; 3]; 3]) -> [[f64; 3]; 2] {
+    let edges = [0, 1, 2].map(|k| [triangle[k], triangle[(k + 1) % 3]]);
+    let length = |edge: &[[f64; 3]; 2]| scaled_length(&sub(&edge[1], &edge[0]));
+    edges.into_iter().max_by(|one, other| length(one).total_cmp(&length(other))).unwrap_or(edges[0])
+}
+
+/// Returns the mean corner of the polygon that two triangles in one plane share. Clips the first
+/// triangle at the edges of the second, which must have an area (Sutherland, Hodgman, *Reentrant
+/// polygon clipping*, 1974).
+fn mean_corner(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3], normal: &[f64; 3]) -> [f64; 3] {
     let mut polygon = a.to_vec();
     for k in 0..3 {
         let start = &b[k];
-        let inward = cross(&normal, &sub(&b[(k + 1) % 3], start));
+        let inward = cross(normal, &sub(&b[(k + 1) % 3], start));
         let heights: Vec<f64> = polygon.iter().map(|point| dot(&inward, &sub(point, start))).collect();
         let mut clipped = Vec::new();
         for (i, (point, &height)) in polygon.iter().zip(&heights).enumerate() {

@@ -5,6 +5,9 @@ use impinge::query::{self, any_intersecting_pair, common_points, contained_point
 use impinge::{Mesh, Pose, Positions};
 use impinge_testkit::generate::Rng;
 
+/// Largest coordinate of the scenes.
+const MAX_COORDINATE: f64 = 6.0;
+
 /// Returns a mesh of random triangles on a grid: many are coplanar, flat, or share corners.
 fn grid_triangles(rng: &mut Rng, count: u32, height: i64) -> Mesh {
     let mut corner = || [0, 1, 2].map(|k| rng.integer(0, if k == 2 { height } else { 4 }) as f64);
@@ -33,7 +36,7 @@ fn common_points_lie_on_both_faces() {
             let local: [f64; 3] = std::array::from_fn(|k| point[k] - offset[k]);
             for (mesh, at) in [(face(&a, pair[0]), point), (face(&b, pair[1]), local)] {
                 let distance = mesh.closest_point(at).unwrap().unwrap().upper;
-                assert!(distance < 1e-13, "{distance} of {pair:?}");
+                assert!(distance < MAX_COORDINATE * 2_f64.powi(-38), "{distance} of {pair:?}");
             }
             coplanar += usize::from(height == 0);
             points_seen += 1;
