@@ -4,8 +4,8 @@
     .venv/bin/python bench/doors.py
 
 `impinge.trimesh.CollisionManager` has the meshes of trimesh's own manager: 200 boxes, or 100
-icospheres of 1,280 faces. `impinge.fcl` has the objects of python-fcl: two torus knots, and pairs of
-solids. The same calls are made of both modules. The table shows the minimum of the calls in
+icospheres of 1,280 faces. `impinge.fcl` has the objects of python-fcl: two torus knots, and pairs
+of solids. The same calls are made of both modules. The table shows the minimum of the calls in
 microseconds. Answers are compared: whether there is a collision, the names of the pairs, and
 distances to 1e-6. trimesh returns the depth of some pair that overlaps as the minimum distance, and
 impinge that of the deepest, so such distances are compared by sign only.

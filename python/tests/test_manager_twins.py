@@ -41,7 +41,7 @@ class Twin:
         return impinge.intersects(mesh, b[0], at, b[2], solid=self.solid(a, b))
 
     def faces(self, a, b):
-        """Return the pairs of faces in contact, as a set; -1 twice if one mesh is inside the other."""
+        """Return the pairs of faces in contact; -1 twice if one mesh is inside the other."""
         mesh, _, at = self.held[a]
         pairs = set(map(tuple, impinge.intersecting_pairs(mesh, b[0], at, b[2]).tolist()))
         return pairs or ({(-1, -1)} if self.intersects(a, b) else set())

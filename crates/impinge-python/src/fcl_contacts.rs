@@ -1,5 +1,5 @@
-//! Contacts of two bodies as `impinge.fcl` and `impinge.trimesh` define them: pairs of faces, or one
-//! contact without faces, each with a point, a normal and a depth.
+//! Contacts of two bodies as `impinge.fcl` and `impinge.trimesh` define them: pairs of faces, or
+//! one contact without faces, each with a point, a normal and a depth.
 
 use std::collections::HashMap;
 

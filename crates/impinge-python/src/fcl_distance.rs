@@ -46,8 +46,9 @@ pub(crate) fn fcl_distance<'py>(
 const MAX_FACES_OF_HULL: u64 = 1 << 8;
 
 /// Returns the distance of two bodies. It is infinite if a body is empty, 0 if two surfaces
-/// intersect or two solids only touch, and -1 if two other bodies collide. If `is_signed` is set and
-/// both bodies are solid, it is minus their depth instead of -1. Distance and depth are upper bounds.
+/// intersect or two solids only touch, and -1 if two other bodies collide. If `is_signed` is set
+/// and both bodies are solid, it is minus their depth instead of -1. Distance and depth are upper
+/// bounds.
 pub(crate) fn separation(a: &Placed, b: &Placed, is_signed: bool, budget: &Budget<'_>) -> Separation {
     let query = || Query::new().with_budget(budget);
     let are_solids = a.body.is_solid && b.body.is_solid;

@@ -1,7 +1,7 @@
 //! Transforms, and geometries at a transform, of the drop-in modules `impinge.fcl` and
 //! `impinge.trimesh`.
 //!
-//! An object keeps its placed shape until it is moved. Managers that hold the object are told of
+//! An object keeps its placed shape until it is moved. Managers that hold the object notice
 //! every move.
 
 use std::collections::HashSet;
@@ -166,8 +166,8 @@ impl ObjectBase {
         matrix_of(py, &self.object.state().rows)
     }
 
-    /// Returns the lower and the upper corner, (2, 3), of a box in the world frame that contains the
-    /// object.
+    /// Returns the lower and the upper corner, (2, 3), of a box in the world frame that contains
+    /// the object.
     #[getter]
     fn r#box<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let placed = self.object.placed("transform").map_err(|fault| fault.raised(py))?;
@@ -227,7 +227,7 @@ impl Object {
         Ok(placed)
     }
 
-    /// Adds a manager that is told of moves.
+    /// Adds a manager that notices moves.
     pub(crate) fn watch(&self, moved: &Arc<Moved>, key: u32) {
         self.state().watchers.push(Watcher { moved: Arc::downgrade(moved), key });
     }

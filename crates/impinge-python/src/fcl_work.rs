@@ -12,8 +12,8 @@ use crate::limits::Allowed;
 use crate::workers::{self, Call};
 
 /// Maximum number of pairs of pieces of a question that is answered at once. It takes microseconds,
-/// so that nobody waits for a signal or for the interpreter. More pairs are answered with checks for
-/// signals, detached from the interpreter.
+/// so that nobody waits for a signal or for the interpreter. More pairs are answered with checks
+/// for signals, detached from the interpreter.
 const MAX_PAIRS_AT_ONCE: u64 = 1 << 10;
 
 /// Asks about two bodies on the caller's thread. If `is_one_thread` is not set and this takes long,

@@ -1,7 +1,7 @@
 //! Queries of managers: which members collide, with their contacts, and which are nearest.
 //!
-//! Pairs are pairs of keys. Within one manager, the member that was inserted first comes first. With
-//! another manager or an object, the member of the manager comes first.
+//! Pairs are pairs of keys. Within one manager, the member that was inserted first comes first.
+//! With another manager or an object, the member of the manager comes first.
 
 use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -166,7 +166,8 @@ impl Limits {
         if least <= 0.0 && !self.has_solids { f64::NEG_INFINITY } else { self.reach_of_equal(least) }
     }
 
-    /// Returns the largest gap of the boxes of a pair whose signed distance may be `least` or below.
+    /// Returns the largest gap of the boxes of a pair whose signed distance may be `least` or
+    /// below.
     fn reach_of_equal(self, least: f64) -> f64 {
         if least > 0.0 {
             least

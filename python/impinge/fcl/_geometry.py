@@ -26,7 +26,7 @@ class CollisionGeometry(_impinge.GeometryBase):
     """Base class of geometries: surfaces and solids in their own frame."""
 
     _body: tuple[Mesh | Shape, bool] | None = None
-    """The mesh or shape that the queries use, and whether it is solid; None before it is complete."""
+    """The mesh or shape of the queries, and whether it is solid; None before it is complete."""
 
     def _complete(self, thing: Mesh | Shape, *, solid: bool) -> None:
         self._set_body(thing, solid)

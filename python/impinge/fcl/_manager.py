@@ -52,7 +52,7 @@ class DynamicAABBTreeCollisionManager(_impinge.ManagerBase):
         self.update()
 
     def update(self, arg: object = None) -> None:
-        """Read the geometries of all objects again, if `arg` is None.
+        """Read the geometries of all objects again, unless `arg` is given.
 
         This is needed only after a `BVHModel` of a registered object was built again. Moves of
         objects are noticed without it.

@@ -12,15 +12,15 @@ use crate::primitive::closest_on_segments;
 /// both. A larger limit sends more pairs to exact arithmetic, which takes microseconds for each.
 const MIN_SINE: f64 = 1.0 / 16.0;
 
-/// Height of a triangle relative to its edges, 2^-40, below which it counts as a segment. Rounding of
-/// the corners gives a segment a smaller height.
+/// Height of a triangle relative to its edges, 2^-40, below which it counts as a segment. Rounding
+/// of the corners gives a segment a smaller height.
 const MIN_HEIGHT: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Returns a common point of each pair of intersecting faces: face of `a`, face of `b`.
 ///
 /// Points are in the world frame. The point of two faces that share a segment is its middle. The
-/// point of two faces in one plane is the mean corner of the polygon that they share. The pairs must
-/// be pairs of faces that intersect.
+/// point of two faces in one plane is the mean corner of the polygon that they share. The pairs
+/// must be pairs of faces that intersect.
 ///
 /// ```
 /// use impinge::{Mesh, Pose, Positions, query};

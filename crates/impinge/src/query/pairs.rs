@@ -96,8 +96,8 @@ pub fn any_intersecting_pair<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<
 }
 
 impl Query<'_> {
-    /// Returns a pair of faces that intersect, as [`any_intersecting_pair`] does. If the budget ends
-    /// the search, the pair may not intersect.
+    /// Returns a pair of faces that intersect, as [`any_intersecting_pair`] does. If the budget
+    /// ends the search, the pair may not intersect.
     #[must_use]
     pub fn any_intersecting_pair<'a, 'b>(
         self,

@@ -70,8 +70,8 @@ impl Mesh {
         })
     }
 
-    /// Reports whether a point inside the hull is inside this mesh. If all faces lie on the boundary
-    /// of the hull, then all such points are.
+    /// Reports whether a point inside the hull is inside this mesh. If all faces lie on the
+    /// boundary of the hull, then all such points are.
     fn encloses_middle_of(&self, hull: &Hull) -> bool {
         let count = hull.positions().len() as f64;
         let middle = |k: usize| hull.positions().iter().map(|position| position[k] / count).sum();

@@ -1,9 +1,10 @@
 //! Pairs of boxes in ascending order of the gap between them, for searches of the nearest or the
 //! deepest pair of bodies.
 //!
-//! Source: the best-first descent of two trees (Ericson, 6.3.2, with a priority queue as in Hjaltason,
-//! Samet, *Incremental distance join algorithms for spatial databases*, SIGMOD 1998). Ours continues
-//! below zero: boxes that overlap are sorted by the translation that would separate them.
+//! Source: the best-first descent of two trees (Ericson, 6.3.2, with a priority queue as in
+//! Hjaltason, Samet, *Incremental distance join algorithms for spatial databases*, SIGMOD 1998).
+//! Ours continues below zero: boxes that overlap are sorted by the translation that would separate
+//! them.
 //!
 //! Tests: `tests/it/partition/gaps.rs`. Benchmark: `bench/doors.py`.
 
