@@ -99,7 +99,7 @@ fn normal_of([x, y, z]: &[[f64; 3]; 3], min_height: f64) -> Option<[f64; 3]> {
 fn ends_in_plane(triangle: &[[f64; 3]; 3], normal: &[f64; 3], origin: &[f64; 3]) -> Option<[[f64; 3]; 2]> {
     let heights = triangle.each_ref().map(|corner| dot(normal, &sub(corner, origin)));
     let is_above = heights.map(|height| height > 0.0);
-    if heights.iter().any(|height| *height == 0.0) {
+    if heights.contains(&0.0) {
         return None;
     }
     // The corner that is alone on its side of the plane.
