@@ -104,6 +104,17 @@ def plain_reals(value: Any, name: str, core: tuple[int, ...]) -> NDArray[np.floa
     return array
 
 
+def plain_shaped(value: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
+    """Return a value as a finite float64 array.
+
+    Raise an `InputError` unless it has exactly this shape and all its numbers are finite.
+    """
+    array = plain_reals(value, name, shape)
+    if array.shape != shape:
+        raise InputError(f"has shape {array.shape}; {shape} is expected", kind="shape", what=name)
+    return array
+
+
 def _floats(values: ArrayLike, name: str, core: tuple[int, ...], *, cloud: bool, wanted: str) -> NDArray[Any]:
     """Read floats whose last axes are `core`; a cloud has one more axis and keeps float32."""
     is_array = hasattr(values, "dtype")

@@ -26,18 +26,18 @@ Examples
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Sequence
-from itertools import combinations, product
+from collections.abc import Callable, Hashable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from impinge import _bodies, fcl
-from impinge._arrays import plain_faces, plain_reals
+from impinge import _impinge, fcl
+from impinge._arrays import plain_faces
 from impinge._errors import InputError
+from impinge._manager_answers import ContactData, Contacts, DistanceData
+from impinge._manager_meshes import object_of, set_matrix
 from impinge._mesh import HasTriangles, Mesh
-from impinge.fcl._manager import nearest_first
 
 __all__ = ["CollisionManager", "ContactData", "DistanceData", "mesh_to_BVH", "mesh_to_convex", "scene_to_collision"]
 
@@ -45,87 +45,26 @@ _EXTERNAL = "__external"
 """Name of a mesh in contact data that is in no manager."""
 
 
-class ContactData:
-    """Two faces in contact, or two bodies of which one is inside the other.
-
-    Attributes
-    ----------
-    names : set of str
-        Names of the two objects; ``"__external"`` for an object that is in no manager.
-    point : (3,) float64 array
-        A common point of both faces, or of both bodies, in the world frame, rounded.
-    normal : (3,) float64 array
-        Unit vector in the world frame, from the mesh of this manager to the other one, or from the
-        mesh that was added first to the other one.
-    depth : float
-        In world units, at least zero. Two convex bodies, or a body inside another one: the upper
-        bound of `impinge.penetration`. Otherwise: the depth of the region in which the surfaces
-        penetrate each other, rounded. It is not the depth of the two faces.
-    """
-
-    def __init__(self, names: tuple[Hashable, Hashable], contact: fcl.Contact) -> None:
-        self.names = set(names)
-        self._faces = {names[0]: contact.b1, names[1]: contact.b2}
-        self.point, self.normal, self.depth = contact.pos, contact.normal, contact.penetration_depth
-
-    def index(self, name: Hashable) -> int:
-        """Return the face in contact of the object with this name, as an index into its faces.
-
-        It is -1 if one object is inside the other. Raise a `KeyError` for another name.
-        """
-        return self._faces[name]
-
-
-class DistanceData:
-    """Distance of two objects, and their nearest points.
-
-    Attributes
-    ----------
-    names : set of str
-        Names of the two objects; ``"__external"`` for an object that is in no manager.
-    distance : float
-        In world units: the upper bound of `impinge.distance`. Minus the depth if two convex bodies
-        overlap, -1 if a convex body and a surface collide, and 0 if two surfaces intersect.
-    """
-
-    def __init__(self, names: tuple[Hashable, Hashable], result: fcl.DistanceResult) -> None:
-        self.names = set(names)
-        self.distance = result.min_distance
-        self._faces = {names[0]: result.b1, names[1]: result.b2}
-        self._points = dict(zip(names, result.nearest_points, strict=True))
-
-    def index(self, name: Hashable) -> int:
-        """Return the nearest face of the object with this name, as an index into its faces.
-
-        It is -1 if the object is convex, or is a surface inside a convex one. Raise a `KeyError`
-        for another name.
-        """
-        return self._faces[name]
-
-    def point(self, name: Hashable) -> NDArray[np.float64]:
-        """Return the nearest point, (3,), of the object with this name, in the world frame.
-
-        It is rounded. It is zero if a convex object and a surface collide, and the deepest point if
-        two convex objects overlap. Raise a `KeyError` for another name.
-        """
-        return self._points[name]
-
-
-_Named = tuple[Hashable, fcl.CollisionObject]
 _Answer = bool | tuple[Any, ...]
 _Distance = float | tuple[Any, ...]
 
 
-class CollisionManager:
+class CollisionManager(_impinge.ManagerBase):
     """Named meshes that are queried together, as with trimesh's class of this name.
 
     Every collision query returns whether there is a collision. If `return_names` or `return_data`
     is set, it returns a tuple of this, the set of the names that collide, and a list of
     `ContactData` for every contact, in this order.
+
+    The manager keeps a tree over the boxes of the meshes. A mesh that moves is marked, and the next
+    query moves its box.
     """
 
     def __init__(self) -> None:
-        self._objects: dict[Hashable, fcl.CollisionObject] = {}
+        self._objects: dict[Hashable, tuple[int, fcl.CollisionObject]] = {}
+        """Keys and objects by their names."""
+        self._names: dict[int, Hashable] = {}
+        """Names by keys."""
 
     def add_object(
         self, name: Hashable, mesh: HasTriangles | Mesh, transform: ArrayLike | None = None
@@ -151,20 +90,28 @@ class CollisionManager:
         InputError
             If the mesh or the transform is invalid.
         """
-        made = _object(mesh, transform)
-        self._objects[name] = made
+        made = object_of(mesh, transform)
+        self._add(name, made)
         return made
+
+    def _add(self, name: Hashable, made: fcl.CollisionObject) -> None:
+        replaced = self._objects.get(name)
+        key = self._insert(made, None if replaced is None else replaced[0])
+        self._objects[name], self._names[key] = (key, made), name
 
     def remove_object(self, name: Hashable) -> None:
         """Remove a mesh. Raise a `ValueError` if there is no mesh with this name."""
-        del self._objects[self._check_name(name)]
+        key, _ = self._named(name)
+        self._remove(key)
+        del self._objects[name], self._names[key]
 
     def set_transform(self, name: Hashable, transform: ArrayLike) -> None:
         """Set the transform of a mesh, (4, 4), world from mesh.
 
         Raise a `ValueError` if there is no mesh with this name.
         """
-        self._objects[self._check_name(name)].setTransform(_transform(transform))
+        _, own = self._named(name)
+        set_matrix(own, transform)
 
     def in_collision_single(
         self,
@@ -178,9 +125,8 @@ class CollisionManager:
         `transform` is world from mesh. If requested, the names of the colliding meshes of the
         manager and a list of `ContactData` follow.
         """
-        other = (_EXTERNAL, _object(mesh, transform))
-        pairs = [((name, own), other) for name, own in self._objects.items()]
-        return _collisions(pairs, lambda names: names[0], return_names, return_data)
+        other = object_of(mesh, transform)
+        return self._collisions(other, {0: _EXTERNAL}, _first, return_names, return_data)
 
     def in_collision_internal(self, return_names: bool = False, return_data: bool = False) -> _Answer:
         """Report whether any two meshes of the manager collide; touching counts.
@@ -188,8 +134,7 @@ class CollisionManager:
         If requested, the pairs of names that collide, each in alphabetical order, and a list of
         `ContactData` follow.
         """
-        pairs = combinations(self._objects.items(), 2)
-        return _collisions(pairs, lambda names: tuple(sorted(names)), return_names, return_data)
+        return self._collisions(None, self._names, _alphabetical, return_names, return_data)
 
     def in_collision_other(
         self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
@@ -199,8 +144,7 @@ class CollisionManager:
         If requested, the pairs of names that collide, the name in this manager first, and a list of
         `ContactData` follow.
         """
-        pairs = product(self._objects.items(), other_manager._objects.items())
-        return _collisions(pairs, lambda names: names, return_names, return_data)
+        return self._collisions(other_manager, other_manager._names, _in_order, return_names, return_data)
 
     def min_distance_single(
         self,
@@ -216,9 +160,10 @@ class CollisionManager:
         the depth. `transform` is world from mesh. If requested, the name of the nearest mesh in the
         manager and a `DistanceData` follow, or None twice if the distance is infinite.
         """
-        other = (_EXTERNAL, _object(mesh, transform))
-        pairs = [((name, own), other) for name, own in self._objects.items()]
-        return _minimum_distance(pairs, lambda names: names[0], return_name, return_data)
+        other = object_of(mesh, transform)
+        return self._minimum_distance(
+            _impinge.manager_nearest(self, other, None), {0: _EXTERNAL}, _first, return_name, return_data
+        )
 
     def min_distance_internal(
         self, name: Hashable = None, return_names: bool = False, return_data: bool = False
@@ -229,11 +174,12 @@ class CollisionManager:
         requested, the names of the nearest two meshes, in alphabetical order, and a `DistanceData`
         follow. Raise a `ValueError` if there is no mesh with the given name.
         """
-        pairs = list(combinations(self._objects.items(), 2))
-        if name is not None:
-            self._check_name(name)
-            pairs = [pair for pair in pairs if name in (pair[0][0], pair[1][0])]
-        return _minimum_distance(pairs, lambda names: tuple(sorted(names)), return_names, return_data)
+        if name is None:
+            found, others = _impinge.manager_nearest(self, None, None), self._names
+        else:
+            key, own = self._named(name)
+            found, others = _impinge.manager_nearest(self, own, key), {0: name}
+        return self._minimum_distance(found, others, _alphabetical, return_names, return_data)
 
     def min_distance_other(
         self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
@@ -244,13 +190,89 @@ class CollisionManager:
         the names of the nearest two meshes, the name in this manager first, and a `DistanceData`
         follow.
         """
-        pairs = list(product(self._objects.items(), other_manager._objects.items()))
-        return _minimum_distance(pairs, lambda names: names, return_names, return_data)
+        found = _impinge.manager_nearest(self, other_manager, None)
+        return self._minimum_distance(found, other_manager._names, _in_order, return_names, return_data)
 
-    def _check_name(self, name: Hashable) -> Hashable:
-        if name not in self._objects:
+    def _named(self, name: Hashable) -> tuple[int, fcl.CollisionObject]:
+        found = self._objects.get(name)
+        if found is None:
             raise InputError(f"{name} not in collision manager!", kind="name", what="name")
-        return name
+        return found
+
+    def _collisions(
+        self,
+        other: CollisionManager | fcl.CollisionObject | None,
+        other_names: dict[int, Hashable],
+        convert_names: Callable[[tuple[Any, Any]], object],
+        return_names: bool,
+        return_data: bool,
+    ) -> _Answer:
+        """Return whether any pair collides, and, if requested, names and contacts.
+
+        Pairs are those within this manager, or those with `other`, whose names are `other_names`.
+        `convert_names` converts the names of a pair to the form that the caller returns.
+        """
+        if not (return_names or return_data):
+            return _impinge.manager_any(self, other) is not None
+        found = _impinge.manager_contacts(self, other) if return_data else None
+        keys = _impinge.manager_pairs(self, other) if found is None else found.pairs()
+        own_names = self._names
+        pairs = [(own_names[a], other_names[b]) for a, b in keys]
+        chosen: list[Any] = [bool(pairs)]
+        if return_names:
+            chosen.append(set(map(convert_names, pairs)))
+        if found is not None:
+            rows = Contacts(pairs, found.faces(), found)
+            chosen.append([ContactData(rows, row) for row in range(len(rows.faces))])
+        return tuple(chosen)
+
+    def _minimum_distance(
+        self,
+        found: tuple[Any, ...] | None,
+        other_names: dict[int, Hashable],
+        convert_names: Callable[[tuple[Any, Any]], object],
+        return_names: bool,
+        return_data: bool,
+    ) -> _Distance:
+        """Return the minimum distance, and, if requested, names and data.
+
+        `found` is the nearest pair, the first key of this manager and the second key of the other;
+        None if the distance is infinite. The other arguments are those of `_collisions`.
+        """
+        if found is None:
+            return (np.inf, *[None] * (return_names + return_data)) if return_names or return_data else np.inf
+        (a, b), distance, faces, points = found
+        if not (return_names or return_data):
+            return float(distance)
+        names = self._names[a], other_names[b]
+        chosen: list[Any] = [distance]
+        if return_names:
+            chosen.append(convert_names(names))
+        if return_data:
+            chosen.append(DistanceData(names, distance, faces, points))
+        return tuple(chosen)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how to make an equal manager."""
+        return type(self), (), [(name, own) for name, (_, own) in self._objects.items()]
+
+    def __setstate__(self, named: list[tuple[Hashable, fcl.CollisionObject]]) -> None:
+        """Add the objects."""
+        for name, own in named:
+            self._add(name, own)
+
+
+def _first(names: tuple[Any, Any]) -> object:
+    return names[0]
+
+
+def _in_order(names: tuple[Any, Any]) -> tuple[Any, Any]:
+    return names
+
+
+def _alphabetical(names: tuple[Any, Any]) -> tuple[Any, Any]:
+    a, b = names
+    return (b, a) if b < a else names
 
 
 def mesh_to_BVH(mesh: HasTriangles) -> fcl.BVHModel:  # noqa: N802
@@ -279,87 +301,3 @@ def scene_to_collision(scene: Any) -> tuple[CollisionManager, dict[Hashable, fcl
         transform, geometry = scene.graph[node]
         objects[node] = manager.add_object(node, scene.geometry[geometry], transform)
     return manager, objects
-
-
-class _Geometry(fcl.CollisionGeometry):
-    """A mesh as a geometry, without copying it."""
-
-    def __init__(self, body: _bodies.Body) -> None:
-        super().__init__()
-        self._body = body
-
-
-def _object(mesh: HasTriangles | Mesh, transform: ArrayLike | None) -> fcl.CollisionObject:
-    solid = bool(getattr(mesh, "is_convex", False))
-    body = _bodies.Body(mesh if isinstance(mesh, Mesh) else Mesh(mesh), solid=solid)
-    return fcl.CollisionObject(_Geometry(body), None if transform is None else _transform(transform))
-
-
-def _transform(transform: ArrayLike) -> fcl.Transform:
-    matrix = plain_reals(transform, "transform", ())
-    if matrix.shape != (4, 4):
-        raise InputError("transform must be (4,4)!", kind="shape", what="transform")
-    return fcl.Transform(matrix[:3, :3], matrix[:3, 3])
-
-
-def _collisions(
-    pairs: Iterable[tuple[_Named, _Named]],
-    convert_names: Callable[[tuple[Any, Any]], object],
-    return_names: bool,
-    return_data: bool,
-) -> _Answer:
-    """Return whether any of the pairs collides, and, if requested, names and contacts.
-
-    `convert_names` converts the names of a colliding pair to the form that the caller returns.
-    """
-    names: set[object] = set()
-    data: list[ContactData] = []
-    hit = False
-    boxes: dict[int, NDArray[np.float64]] = {}
-    for (name_a, a), (name_b, b) in pairs:
-        low_a, high_a = boxes.setdefault(id(a), a.box)
-        low_b, high_b = boxes.setdefault(id(b), b.box)
-        if not ((low_a <= high_b) & (low_b <= high_a)).all():
-            continue
-        if not _bodies.collide(a.geometry.body, b.geometry.body, a.matrix, b.matrix):
-            continue
-        if return_data:
-            result = fcl.CollisionResult()
-            fcl.collide(a, b, fcl.CollisionRequest(np.iinfo(np.int64).max, enable_contact=True), result)
-            data += [ContactData((name_a, name_b), contact) for contact in result.contacts]
-        hit = True
-        names.add(convert_names((name_a, name_b)))
-        if not (return_names or return_data):
-            break
-    chosen = [hit, *([names] if return_names else []), *([data] if return_data else [])]
-    return hit if len(chosen) == 1 else tuple(chosen)
-
-
-def _minimum_distance(
-    pairs: Sequence[tuple[_Named, _Named]],
-    convert_names: Callable[[tuple[Any, Any]], object],
-    return_names: bool,
-    return_data: bool,
-) -> _Distance:
-    """Return the minimum distance of the pairs, and, if requested, names and data.
-
-    The distance is infinite if there are no pairs. `convert_names` converts the names of the
-    nearest pair to the form that the caller returns.
-    """
-    request = fcl.DistanceRequest(enable_nearest_points=return_data, enable_signed_distance=True)
-    best: tuple[tuple[Hashable, Hashable] | None, fcl.DistanceResult] = (None, fcl.DistanceResult())
-    named = {(id(a), id(b)): (name_a, name_b) for (name_a, a), (name_b, b) in pairs}
-
-    def measure(o1: fcl.CollisionObject, o2: fcl.CollisionObject, minimum: float) -> tuple[bool, float]:
-        nonlocal best
-        result = fcl.DistanceResult()
-        if fcl.distance(o1, o2, request, result) < minimum:
-            best = named[id(o1), id(o2)], result
-        return False, best[1].min_distance
-
-    nearest_first([(a, b) for (_, a), (_, b) in pairs], measure)
-    names, result = best
-    data = None if names is None else DistanceData(names, result)
-    chosen = [convert_names(names) if names else None] if return_names else []
-    chosen += [data] if return_data else []
-    return (result.min_distance, *chosen) if chosen else result.min_distance

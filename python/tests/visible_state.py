@@ -2,6 +2,7 @@
 
 import impinge
 import numpy as np
+from impinge import fcl
 
 VIEWS = [
     (np.ndarray, lambda array: (str(array.dtype), array.shape, str(array.tolist()))),
@@ -16,6 +17,8 @@ VIEWS = [
     (impinge.fit.AxisBox, lambda box: (*box.__reduce__()[1], box.volume, box.surface_area)),
     (impinge.fit.PackedBox, lambda box: (box.nbytes, box.unpacked())),
     (impinge.fit.AabbBatch, lambda many: (len(many), many.overlapping(impinge.fit.Aabb([0.1] * 3, [2.5] * 3)))),
+    (fcl.Transform, lambda transform: transform.matrix),
+    (fcl.CollisionObject, lambda thing: (thing.geometry, thing.matrix)),
     (set | frozenset, lambda items: sorted(map(str, items))),
     (dict, lambda items: [(str(key), value) for key, value in items.items()]),
 ]

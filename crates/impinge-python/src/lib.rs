@@ -10,8 +10,16 @@ mod command;
 mod contacts;
 mod distances;
 mod errors;
+mod fcl_contacts;
+mod fcl_distance;
+mod fcl_geometry;
+mod fcl_object;
+mod fcl_work;
 mod inspection;
 mod limits;
+mod manager_contacts;
+mod manager_queries;
+mod managers;
 mod mesh;
 mod model;
 mod motions;
@@ -50,9 +58,23 @@ mod _impinge {
     #[pymodule_export]
     use super::distances::{distance, penetration, within};
     #[pymodule_export]
+    use super::fcl_contacts::fcl_collide;
+    #[pymodule_export]
+    use super::fcl_distance::fcl_distance;
+    #[pymodule_export]
+    use super::fcl_geometry::GeometryBase;
+    #[pymodule_export]
+    use super::fcl_object::{ObjectBase, TransformBase};
+    #[pymodule_export]
     use super::inspection::{closing_tolerance, health, repaired, tree_statistics};
     #[pymodule_export]
     use super::limits::Limits;
+    #[pymodule_export]
+    use super::manager_contacts::{ManagerContacts, manager_contacts};
+    #[pymodule_export]
+    use super::manager_queries::{manager_any, manager_each_by_gap, manager_each_near, manager_nearest, manager_pairs};
+    #[pymodule_export]
+    use super::managers::ManagerBase;
     #[pymodule_export]
     use super::mesh::MeshBase;
     #[pymodule_export]
@@ -80,8 +102,7 @@ mod _impinge {
     use super::solid_bsp::SolidBspCore;
     #[pymodule_export]
     use super::verbs::{
-        contact_normals, contact_points, contacts_of, intersecting_pairs, intersection_curves, intersects, penetrates,
-        self_intersecting_pairs,
+        contacts_of, intersecting_pairs, intersection_curves, intersects, penetrates, self_intersecting_pairs,
     };
     #[pymodule_export]
     use super::volumes::{convex_hull, fit_volume, proxies};

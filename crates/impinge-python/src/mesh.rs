@@ -16,6 +16,10 @@ use crate::errors::{Fault, kind_and_place, load_error, message};
 use crate::model::{Content, Model};
 use crate::workers;
 
+/// Maximum number of faces and of vertices of a mesh that the caller's thread builds. It takes less
+/// than a millisecond. Waking other threads pays only for larger meshes.
+const MAX_FACES_AT_ONCE: usize = 1 << 12;
+
 /// Base class of `impinge.Mesh`: the current mesh, and the array of its faces once it was
 /// requested.
 #[pyclass(subclass, frozen, module = "impinge._impinge")]
@@ -90,7 +94,10 @@ impl MeshBase {
             }
         };
         let is_double = matches!(positions, Positions::F64(_));
-        let mesh = workers::run(py, move |_| Mesh::new(positions, faces))?.map_err(|error| {
+        let is_small = count.max(faces.len()) <= MAX_FACES_AT_ONCE;
+        let build = move || Mesh::new(positions, faces);
+        let mesh = if is_small { workers::at_once(py, build) } else { workers::run(py, move |_| build())? };
+        let mesh = mesh.map_err(|error| {
             let (kind, at) = kind_and_place(&error);
             let names_faces = kind == "index-out-of-bounds" || (kind == "too-many" && count <= u32::MAX as usize);
             let argument = if names_faces { "faces" } else { "vertices" };

@@ -1,7 +1,6 @@
 //! Arguments and execution of all queries about two things: which things, at which poses, on which
 //! threads.
 
-use impinge::Pose;
 use impinge::budget::Stopped;
 use impinge::query::batch::{Answers, Batch, Execution, Status};
 use pyo3::prelude::*;
@@ -144,13 +143,6 @@ impl<'py> FromPyObject<'_, 'py> for Progress {
 }
 
 impl Question {
-    /// Returns the two poses, or `None` if there are leading axes or if a pose is invalid.
-    pub(crate) fn single(&self) -> Option<[Pose; 2]> {
-        let [a, b] = self.batch.poses();
-        let both = [*a.get(0).ok()?, *b.get(0).ok()?];
-        (a.shape().is_empty() && b.shape().is_empty()).then_some(both)
-    }
-
     /// Returns the two things.
     pub(crate) fn things(&self) -> &[WeighedShape; 2] {
         &self.things

@@ -1,12 +1,8 @@
 //! Queries about two things. Each calls the query of the library for the rows of a batch.
 
-use std::collections::HashMap;
-
 use impinge::Mesh;
-use impinge::exact::{Crossing, Placement, crossing};
 use impinge::query::batch::Batch;
-use impinge::query::{self, ContactOptions, ContactPatch, Curves, Penetrates, Query};
-use numpy::PyReadonlyArray2;
+use impinge::query::{ContactOptions, Curves, Penetrates, Query};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyList};
 
@@ -116,66 +112,6 @@ pub(crate) fn self_intersecting_pairs<'py>(mesh: &Bound<'py, PyAny>) -> PyResult
     let pairs = workers::run(py, move |budget| Query::new().with_budget(budget).self_intersecting_pairs(&mesh))?;
     let count = pairs.len();
     row_array(py, pairs, &[count])
-}
-
-/// Returns for each pair of intersecting faces, (k, 2), a common point in the world frame, (k, 3),
-/// and whether the faces lie in one plane, (k,). The point of such a pair is the origin instead.
-#[pyfunction]
-pub(crate) fn contact_points<'py>(
-    py: Python<'py>,
-    question: Question,
-    pairs: PyReadonlyArray2<'py, u32>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let Some([world_from_a, world_from_b]) = question.single() else {
-        return Err(Fault::new("shape", "pose_b", "a single pose is expected here").raised(py));
-    };
-    let [a, b] = both_meshes(py, &question)?;
-    let placement = Placement::new(&world_from_a, &world_from_b);
-    let mut points = Vec::new();
-    let mut coplanar = Vec::new();
-    for pair in pairs.as_slice()?.as_chunks::<2>().0 {
-        let faces = [a.faces().len(), b.faces().len()];
-        if (0..2).any(|side| pair[side] as usize >= faces[side]) {
-            let message = format!("pair {pair:?} is out of range: a has {} faces, b has {}", faces[0], faces[1]);
-            return Err(Fault::new("index-out-of-bounds", "pairs", message).raised(py));
-        }
-        let common = crossing(&placement, &a.corners(pair[0]), &b.corners(pair[1]));
-        points.push(match &common {
-            Crossing::Apart | Crossing::Coplanar => [0.0; 3],
-            Crossing::Point(end) => end.point,
-            Crossing::Segment(from, to) => std::array::from_fn(|k| from.point[k] / 2.0 + to.point[k] / 2.0),
-        });
-        coplanar.push(matches!(common, Crossing::Coplanar));
-    }
-    let count = points.len();
-    Ok((row_array(py, points, &[count])?, array(py, coplanar, &[count])?).into_pyobject(py)?.into_any())
-}
-
-/// Returns for each pair of intersecting faces, (k, 2), the normal, (k, 3), and the depth, (k,), of
-/// its region of contact, in the world frame. Pairs that do not intersect get zeros.
-#[pyfunction]
-pub(crate) fn contact_normals<'py>(
-    py: Python<'py>,
-    question: Question,
-    pairs: PyReadonlyArray2<'py, u32>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let Some([world_from_a, world_from_b]) = question.single() else {
-        return Err(Fault::new("shape", "pose_b", "a single pose is expected here").raised(py));
-    };
-    let [a, b] = both_meshes(py, &question)?.map(Clone::clone);
-    let pairs = pairs.as_slice()?.as_chunks::<2>().0.to_vec();
-    let count = pairs.len();
-    let found = workers::run(py, move |_| {
-        let patches = query::contact_patches(a.at(world_from_a), b.at(world_from_b));
-        let of_patch = |patch: &ContactPatch| {
-            let found = (patch.normal, patch.depth);
-            patch.pairs.iter().map(move |&pair| (pair, found)).collect::<Vec<_>>()
-        };
-        let found: HashMap<[u32; 2], ([f64; 3], f64)> = patches.iter().flat_map(of_patch).collect();
-        pairs.iter().map(|pair| found.get(pair).copied().unwrap_or_default()).collect::<Vec<_>>()
-    })?;
-    let (normals, depths): (Vec<[f64; 3]>, Vec<f64>) = found.into_iter().unzip();
-    Ok((row_array(py, normals, &[count])?, array(py, depths, &[count])?).into_pyobject(py)?.into_any())
 }
 
 /// Returns the two meshes of a query about faces.

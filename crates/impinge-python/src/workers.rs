@@ -93,20 +93,27 @@ pub(crate) fn forks() -> usize {
     FORKS.load(Ordering::Relaxed)
 }
 
-/// Makes the caller's thread do its parallel work alone. A forked process needs this, because its
-/// default pool has no thread.
-fn work_alone() {
+/// Makes the caller's thread do its parallel work alone: it becomes the only thread of a pool.
+/// Otherwise every parallel loop would be handed to the default pool, which takes 10 microseconds,
+/// and the default pool of a forked process has no thread.
+pub(crate) fn work_alone() {
     thread_local! {
         static ALONE: OnceCell<()> = const { OnceCell::new() };
     }
-    if forks() > 0 {
-        ALONE.with(|alone| {
-            alone.get_or_init(|| {
-                let own = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
-                std::mem::forget(own); // this thread is its only one, as long as it lives
-            });
+    ALONE.with(|alone| {
+        alone.get_or_init(|| {
+            let own = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+            std::mem::forget(own); // this thread is its only one, as long as it lives
         });
-    }
+    });
+}
+
+/// Runs a short job on the caller's thread, detached from the interpreter.
+pub(crate) fn at_once<T: Send>(py: Python<'_>, job: impl FnOnce() -> T + Send) -> T {
+    py.detach(|| {
+        work_alone();
+        job()
+    })
 }
 
 /// Runs a job on the pool and waits for its answer. If a signal handler raises, as the one of
@@ -303,7 +310,7 @@ impl<'py> Line<'py> {
 }
 
 /// Returns the number of threads that `impinge.threads` sets, or that of all processors.
-fn requested_threads(py: Python<'_>) -> PyResult<usize> {
+pub(crate) fn requested_threads(py: Python<'_>) -> PyResult<usize> {
     static REQUESTED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let asked: Option<usize> = REQUESTED.import(py, "impinge._threads", "asked")?.call_method0("get")?.extract()?;
     Ok(asked.unwrap_or_else(|| thread::available_parallelism().map_or(1, NonZero::get)))

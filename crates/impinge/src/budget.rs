@@ -143,8 +143,20 @@ impl<'b> Budget<'b> {
         self.is_limited && self.is_limit_reached()
     }
 
-    /// Counts a step, and returns an error if the work must end.
-    pub(crate) fn check(&self) -> Result<(), Stopped> {
+    /// Counts a step, and returns an error if the work must end. A loop over many queries calls it
+    /// about every 100 microseconds.
+    ///
+    /// # Errors
+    /// Returns the limit that was reached first.
+    ///
+    /// ```
+    /// use impinge::budget::{Budget, Stopped};
+    ///
+    /// let budget = Budget::new().with_steps(1);
+    /// assert_eq!(budget.check(), Ok(()));
+    /// assert_eq!(budget.check(), Err(Stopped::Steps));
+    /// ```
+    pub fn check(&self) -> Result<(), Stopped> {
         if self.is_spent() { Err(self.stopped().unwrap_or(Stopped::Canceled)) } else { Ok(()) }
     }
 

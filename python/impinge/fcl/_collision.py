@@ -8,8 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from impinge import _bodies
-from impinge._scalars import whole
+from impinge import _impinge
 from impinge.fcl._geometry import CollisionGeometry, CollisionObject
 
 
@@ -36,11 +35,23 @@ class Contact:
         Otherwise: the depth of the region in which the surfaces penetrate each other, rounded.
     """
 
-    def __init__(self, o1: CollisionGeometry, o2: CollisionGeometry, b1: int, b2: int) -> None:
-        self.o1, self.o2, self.b1, self.b2 = o1, o2, b1, b2
-        self.pos: NDArray[np.float64]
-        self.normal: NDArray[np.float64]
-        self.penetration_depth: float
+    __slots__ = ("b1", "b2", "normal", "o1", "o2", "penetration_depth", "pos")
+
+    def __init__(
+        self,
+        o1: CollisionGeometry,
+        o2: CollisionGeometry,
+        faces: tuple[int, int],
+        details: tuple[NDArray[np.float64], NDArray[np.float64], float] | None = None,
+    ) -> None:
+        self.o1, self.o2 = o1, o2
+        self.b1, self.b2 = faces
+        if details is not None:
+            self.pos, self.normal, self.penetration_depth = details
+
+    def __repr__(self) -> str:
+        """Return the classes of the geometries and the faces."""
+        return f"Contact({type(self.o1).__name__}, {type(self.o2).__name__}, b1={self.b1}, b2={self.b2})"
 
 
 class CollisionRequest:
@@ -106,21 +117,20 @@ def collide(
     """Add the contacts of two objects to the result, and return the number of added contacts.
 
     The request limits the number of contacts. The number is 0 if and only if the objects do not
-    collide, or if the limit is 0. Touching counts. Raise an `InputError` if the limit is invalid.
+    collide, or if the limit is 0. Touching counts. The search for a single contact stops at the
+    first pair of faces that intersects. More contacts are the first in the order of the faces.
+    Raise an `InputError` if the limit is invalid.
     """
-    request = CollisionRequest() if request is None else request
-    result = CollisionResult() if result is None else result
-    a, b = o1.geometry.body, o2.geometry.body
-    limit = whole(request.num_max_contacts, "num_max_contacts")
-    pairs = _bodies.contacts(a, b, o1.matrix, o2.matrix, limit)
-    found = [Contact(o1.geometry, o2.geometry, int(b1), int(b2)) for b1, b2 in pairs]
-    if request.enable_contact and found:
-        points = _bodies.contact_points(a, b, o1.matrix, o2.matrix, pairs)
-        normals, depths = _bodies.contact_normals(a, b, o1.matrix, o2.matrix, pairs)
-        for contact, point, normal, depth in zip(found, points, normals, depths.tolist(), strict=True):
-            contact.pos, contact.normal, contact.penetration_depth = point, normal, depth
-    result.contacts += found
-    result.is_collision = result.is_collision or bool(found)
+    if request is None:
+        found = _impinge.fcl_collide(o1, o2, 1, False)
+    else:
+        found = _impinge.fcl_collide(o1, o2, request.num_max_contacts, bool(request.enable_contact))
+    if found is None:
+        return 0
+    if result is not None:
+        a, b = o1.geometry, o2.geometry
+        result.contacts += [Contact(a, b, *row) for row in found]
+        result.is_collision = True
     return len(found)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from impinge import _bodies
+from impinge import _impinge
 from impinge.fcl._geometry import CollisionGeometry, CollisionObject
 
 
@@ -27,6 +27,10 @@ class DistanceRequest:
     def __init__(self, enable_nearest_points: bool = False, enable_signed_distance: bool = False) -> None:
         self.enable_nearest_points = enable_nearest_points
         self.enable_signed_distance = enable_signed_distance
+
+
+_DEFAULT = DistanceRequest()
+"""Request of a call without one."""
 
 
 class DistanceResult:
@@ -50,10 +54,15 @@ class DistanceResult:
 
     def __init__(self) -> None:
         self.min_distance = np.inf
-        self.nearest_points: list[NDArray[np.float64]] = [np.zeros(3), np.zeros(3)]
+        self._points: NDArray[np.float64] | None = None
         self.o1: CollisionGeometry | None = None
         self.o2: CollisionGeometry | None = None
         self.b1 = self.b2 = -1
+
+    @property
+    def nearest_points(self) -> list[NDArray[np.float64]]:
+        """The nearest points of the two objects, (3,) each."""
+        return [np.zeros(3), np.zeros(3)] if self._points is None else list(self._points)
 
 
 class DistanceData:
@@ -88,16 +97,15 @@ def distance(
     With ``enable_signed_distance`` and two solids, it is minus their penetration depth. Two solids
     that only touch have distance 0.
     """
-    request = DistanceRequest() if request is None else request
-    result = DistanceResult() if result is None else result
-    a, b = o1.geometry.body, o2.geometry.body
-    found = _bodies.separation(a, b, o1.matrix, o2.matrix, signed=request.enable_signed_distance)
-    if found.value < result.min_distance:
-        result.min_distance, result.o1, result.o2 = found.value, o1.geometry, o2.geometry
-        result.b1, result.b2 = found.faces
-        wanted = request.enable_nearest_points
-        result.nearest_points = found.points if wanted else [np.zeros(3), np.zeros(3)]
-    return found.value
+    if request is None:
+        request = _DEFAULT
+    signed, wanted = bool(request.enable_signed_distance), bool(request.enable_nearest_points)
+    value, b1, b2, points = _impinge.fcl_distance(o1, o2, signed, wanted)
+    if result is not None and value < result.min_distance:
+        result.min_distance, result.o1, result.o2 = value, o1.geometry, o2.geometry
+        result.b1, result.b2 = b1, b2
+        result._points = points
+    return value
 
 
 def defaultDistanceCallback(

@@ -6,36 +6,46 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from impinge import _bodies
-from impinge._arrays import plain_numbers, plain_reals
+from impinge import _impinge
+from impinge._arrays import plain_numbers, plain_reals, plain_shaped
 from impinge._errors import InputError
 from impinge._mesh import Mesh
 from impinge._scalars import real, whole
-from impinge.fcl._transform import Transform, shaped
+from impinge._shape import Shape
+from impinge.fcl._transform import Transform, quaternion_of, rotation_of
 
 _MAX_INDEX = 2**32 - 1
 
 
-class CollisionGeometry:
+class CollisionGeometry(_impinge.GeometryBase):
     """Base class of geometries: surfaces and solids in their own frame."""
 
-    def __init__(self) -> None:
-        self._body: _bodies.Body | None = None
+    _body: tuple[Mesh | Shape, bool] | None = None
+    """The mesh or shape of the queries, and whether it is solid; None before it is complete."""
 
-    @property
-    def body(self) -> _bodies.Body:
-        """The surface or solid that the queries use.
+    def _complete(self, thing: Mesh | Shape, *, solid: bool) -> None:
+        self._set_body(thing, solid)
+        self._body = thing, solid
 
-        Raise an `InputError` if the geometry is a `BVHModel` before `endModel`.
-        """
-        if self._body is None:
-            message = f"{type(self).__name__} is not complete; call endModel() first"
-            raise InputError(message, kind="input", what="geom")
-        return self._body
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how to make an equal geometry."""
+        return _remade, (type(self),), vars(self)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Set all attributes, and the body."""
+        vars(self).update(state)
+        if self._body is not None:
+            self._set_body(*self._body)
+
+
+def _remade(cls: type[CollisionGeometry]) -> CollisionGeometry:
+    """Return a geometry without attributes."""
+    return cls.__new__(cls)
 
 
 class BVHModel(CollisionGeometry):
@@ -57,6 +67,7 @@ class BVHModel(CollisionGeometry):
     def beginModel(self, num_tris_: int = 0, num_vertices_: int = 0) -> int:
         """Start a new model without triangles, and return 0; the arguments are ignored."""
         self._vertices, self._faces, self._count, self._body = [], [], 0, None
+        self._set_body(None, False)
         return 0
 
     def addVertex(self, x: float, y: float, z: float) -> bool:
@@ -92,7 +103,7 @@ class BVHModel(CollisionGeometry):
         """
         vertices = np.concatenate([np.zeros((0, 3)), *self._vertices])
         faces = np.concatenate([np.zeros((0, 3), np.int64), *self._faces])
-        self._body = _bodies.Body(Mesh(vertices, faces), solid=False)
+        self._complete(Mesh(vertices, faces), solid=False)
         return 0
 
 
@@ -105,7 +116,7 @@ class Box(CollisionGeometry):
         signs = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
         quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
         mesh = Mesh(signs * self._side / 2, [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))])
-        self._body = _bodies.Body(mesh, solid=True)
+        self._complete(mesh, solid=True)
 
     @property
     def side(self) -> NDArray[np.float64]:
@@ -136,7 +147,7 @@ class Convex(CollisionGeometry):
             triangles += [(corners[0], corners[k], corners[k + 1]) for k in range(1, len(corners) - 1)]
             at += 1 + len(corners)
         self._num_faces = num_faces
-        self._body = _bodies.Body(Mesh(plain_reals(vertices, "vertices", (3,)), triangles), solid=True)
+        self._complete(Mesh(plain_reals(vertices, "vertices", (3,)), triangles), solid=True)
 
     @property
     def num_faces(self) -> int:
@@ -149,29 +160,27 @@ class TriangleP(CollisionGeometry):
 
     def __init__(self, a: ArrayLike, b: ArrayLike, c: ArrayLike) -> None:
         super().__init__()
-        self._body = _bodies.Body(Mesh(_corners(a=a, b=b, c=c), [[0, 1, 2]]), solid=False)
+        self._complete(Mesh(_corners(a=a, b=b, c=c), [[0, 1, 2]]), solid=False)
 
 
-class CollisionObject:
+class CollisionObject(_impinge.ObjectBase):
     """A geometry with a transform, world from geometry; the default is the identity.
 
-    Attributes
-    ----------
-    geometry : CollisionGeometry
-        The surface or solid, in its own frame; may be shared by several objects.
+    The arguments are a `CollisionGeometry`, which several objects may share, and a `Transform`. The
+    object keeps its body at the transform, so a query of an object that did not move places nothing
+    again.
     """
 
-    def __init__(self, geom: CollisionGeometry, tf: Transform | None = None) -> None:
-        if not isinstance(geom, CollisionGeometry):
-            message = f"must be a geometry of impinge.fcl, not {type(geom).__name__}"
-            raise InputError(message, kind="type", what="geom")
-        self.geometry = geom
-        self._transform = Transform() if tf is None else Transform(tf)
+    @property
+    def geometry(self) -> CollisionGeometry:
+        """The surface or solid, in its own frame."""
+        geometry: CollisionGeometry = super().geometry
+        return geometry
 
     @property
     def matrix(self) -> NDArray[np.float64]:
-        """Pose (4, 4) of the object, world from geometry."""
-        return self._transform.matrix
+        """Copy of the pose (4, 4) of the object, world from geometry."""
+        return super().matrix
 
     @property
     def box(self) -> NDArray[np.float64]:
@@ -179,44 +188,49 @@ class CollisionObject:
 
         Infinite for a half-space; NaN if the object has no points.
         """
-        return self.geometry.body.box_at(self.matrix)
+        return super().box
 
     def getTransform(self) -> Transform:
         """Return a copy of the transform, world from geometry."""
-        return Transform(self._transform)
+        matrix = self.matrix
+        return Transform(matrix[:3, :3], matrix[:3, 3])
 
     def setTransform(self, tf: Transform) -> None:
         """Set the rotation and the translation, world from geometry."""
-        self._transform = Transform(tf)
+        self._set_transform(tf)
 
     def getTranslation(self) -> NDArray[np.float64]:
         """Return a copy of the (3,) translation, world from geometry, in world units."""
-        return self._transform.getTranslation()
+        return self.matrix[:3, 3].copy()
 
     def setTranslation(self, vec: ArrayLike) -> None:
         """Set the (3,) translation, world from geometry, in world units."""
-        self._transform.setTranslation(vec)
+        self._set_translation(vec, "T")
 
     def getRotation(self) -> NDArray[np.float64]:
         """Return a copy of the (3, 3) rotation matrix, world from geometry."""
-        return self._transform.getRotation()
+        return self.matrix[:3, :3].copy()
 
     def setRotation(self, mat: ArrayLike) -> None:
         """Set the (3, 3) rotation matrix, world from geometry, used unchanged."""
-        self._transform.setRotation(mat)
+        self._set_linear(mat, "R")
 
     def getQuatRotation(self) -> NDArray[np.float64]:
         """Return the rotation as a unit quaternion, rounded: real part first, at least zero."""
-        return self._transform.getQuatRotation()
+        return quaternion_of(self.matrix[:3, :3])
 
     def setQuatRotation(self, q: ArrayLike) -> None:
         """Set the rotation, world from geometry, to that of a unit quaternion, real part first.
 
         Raise an `InputError` unless its length is within 1e-3 of 1.
         """
-        self._transform.setQuatRotation(q)
+        self._set_linear(rotation_of(q), "q")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how to make an equal object."""
+        return type(self), (self.geometry, self.getTransform())
 
 
 def _corners(**corners: ArrayLike) -> NDArray[np.float64]:
     """Return (n, 3) positions from the arguments with these names."""
-    return np.array([shaped(corner, (3,), name) for name, corner in corners.items()])
+    return np.array([plain_shaped(corner, (3,), name) for name, corner in corners.items()])

@@ -6,14 +6,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import combinations, product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from impinge import _bodies
+from impinge import _impinge
 from impinge._errors import InputError
+from impinge.fcl._collision import CollisionData, defaultCollisionCallback
 from impinge.fcl._geometry import CollisionObject
 
 Callback = Callable[[CollisionObject, CollisionObject, Any], bool]
@@ -22,61 +21,54 @@ DistanceCallback = Callable[[CollisionObject, CollisionObject, Any, float], tupl
 _EXPECTED = "must be (cdata, callback), (manager, cdata, callback) or (object, cdata, callback)"
 
 
-def nearest_first(
-    pairs: Sequence[tuple[CollisionObject, CollisionObject]],
-    measure: Callable[[CollisionObject, CollisionObject, float], tuple[bool, float]],
-) -> None:
-    """Measure pairs in ascending order of the gap between their boxes.
-
-    `measure` gets two objects and the minimum distance so far, and returns whether to stop, and the
-    new minimum. The search also stops if no other pair can be nearer than the minimum.
-    """
-    boxes = {id(own): own.box for pair in pairs for own in pair}
-    gaps = [_bodies.gap(boxes[id(o1)], boxes[id(o2)]) for o1, o2 in pairs]
-    minimum = np.inf
-    for at in np.argsort(gaps, kind="stable"):
-        if gaps[at] > minimum or (gaps[at] > 0 and minimum <= 0):
-            return
-        o1, o2 = pairs[at]
-        done, minimum = measure(o1, o2, minimum)
-        if done:
-            return
-
-
-class DynamicAABBTreeCollisionManager:
+class DynamicAABBTreeCollisionManager(_impinge.ManagerBase):
     """Manager of many objects that passes pairs which may collide, or be nearest, to a callback.
 
-    It keeps references to the objects, and every query uses their current transforms.
+    It keeps references to the objects and a tree over their boxes. An object that moves is marked,
+    and the next query moves its box.
     """
 
     def __init__(self) -> None:
-        self._objects: list[CollisionObject] = []
+        self._objects: dict[int, CollisionObject] = {}
+        """Objects by their keys, in the order of registration."""
 
     def registerObjects(self, other_objs: Sequence[CollisionObject]) -> None:
         """Add several objects, even if they are registered already."""
-        self._objects += other_objs
+        for obj in other_objs:
+            self.registerObject(obj)
 
     def registerObject(self, obj: CollisionObject) -> None:
         """Add an object, even if it is registered already."""
-        self._objects.append(obj)
+        self._objects[self._insert(obj, None)] = obj
 
     def unregisterObject(self, obj: CollisionObject) -> None:
         """Remove an object, if it is registered."""
-        self._objects = [own for own in self._objects if own is not obj]
+        for key in [key for key, own in self._objects.items() if own is obj]:
+            self._remove(key)
+            del self._objects[key]
 
     def setup(self) -> None:
-        """Do nothing: every query computes the current boxes."""
+        """Prepare for queries; see `update`."""
+        self.update()
 
     def update(self, arg: object = None) -> None:
-        """Do nothing: every query computes the current boxes."""
+        """Read the geometries of all objects again, unless `arg` is given.
+
+        This is needed only after a `BVHModel` of a registered object was built again. Moves of
+        objects are noticed without it.
+        """
+        if arg is None:
+            self._renew()
 
     def clear(self) -> None:
         """Remove all objects."""
+        for key in self._objects:
+            self._remove(key)
         self._objects.clear()
 
     def getObjects(self) -> list[CollisionObject]:
         """Return a list of the objects, in the order of registration."""
-        return list(self._objects)
+        return list(self._objects.values())
 
     def size(self) -> int:
         """Return the number of registered objects."""
@@ -95,16 +87,16 @@ class DynamicAABBTreeCollisionManager:
         ``distance(other, cdata, callback)`` measures against an object or another manager. Raise an
         `InputError` for other arguments.
         """
-        if len(args) == 2:
-            pairs = list(combinations(self._objects, 2))
-        elif len(args) == 3 and isinstance(args[0], DynamicAABBTreeCollisionManager):
-            pairs = list(product(self._objects, args[0]._objects))
-        elif len(args) == 3 and isinstance(args[0], CollisionObject):
-            pairs = [(own, args[0]) for own in self._objects]
-        else:
-            raise InputError(_EXPECTED, kind="type", what="args")
-        cdata, callback = args[-2:]
-        nearest_first(pairs, lambda o1, o2, minimum: callback(o1, o2, cdata, minimum))
+        other, cdata, callback = _read(args)
+        others = self._objects_of(other)
+        minimum = np.inf
+
+        def visit(a: int, b: int) -> float:
+            nonlocal minimum
+            done, minimum = callback(self._objects[a], others[b], cdata, minimum)
+            return -np.inf if done else max(minimum, 0.0)
+
+        _impinge.manager_each_by_gap(self, other, visit)
 
     def collide(self, *args: Any) -> None:
         """Pass pairs with overlapping boxes to ``callback(o1, o2, cdata)`` until it returns True.
@@ -113,28 +105,47 @@ class DynamicAABBTreeCollisionManager:
         ``collide(other, cdata, callback)`` passes pairs with an object or another manager. Boxes
         that touch overlap. Raise an `InputError` for other arguments.
         """
-        if len(args) == 2:
-            self._collide_within(*args)
-        elif len(args) == 3 and isinstance(args[0], DynamicAABBTreeCollisionManager):
-            self._collide_with(args[0]._objects, args[1], args[2])
-        elif len(args) == 3 and isinstance(args[0], CollisionObject):
-            self._collide_with([args[0]], args[1], args[2])
-        else:
-            raise InputError(_EXPECTED, kind="type", what="args")
+        other, cdata, callback = _read(args)
+        others = self._objects_of(other)
+        if callback is defaultCollisionCallback and _wants_one_contact(cdata):
+            # Pairs that do not collide change nothing, so the extension skips them.
+            found = _impinge.manager_any(self, other)
+            if found is not None:
+                callback(self._objects[found[0]], others[found[1]], cdata)
+            return
+        _impinge.manager_each_near(self, other, lambda a, b: callback(self._objects[a], others[b], cdata))
 
-    def _boxes(self) -> NDArray[np.float64]:
-        return np.array([own.box for own in self._objects]).reshape(-1, 2, 3)
+    def _objects_of(
+        self, other: DynamicAABBTreeCollisionManager | CollisionObject | None
+    ) -> dict[int, CollisionObject]:
+        """Return the objects that the second key of a pair refers to."""
+        if other is None:
+            return self._objects
+        return {0: other} if isinstance(other, CollisionObject) else other._objects
 
-    def _collide_within(self, cdata: object, callback: Callback) -> None:
-        boxes = self._boxes()
-        for i, own in enumerate(self._objects):
-            for j in _bodies.overlaps(boxes[i + 1 :], boxes[i]):
-                if callback(own, self._objects[i + 1 + j], cdata):
-                    return
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how to make an equal manager."""
+        return type(self), (), self.getObjects()
 
-    def _collide_with(self, others: list[CollisionObject], cdata: object, callback: Callback) -> None:
-        boxes = self._boxes()
-        for other in others:
-            for i in _bodies.overlaps(boxes, other.box):
-                if callback(self._objects[i], other, cdata):
-                    return
+    def __setstate__(self, objects: list[CollisionObject]) -> None:
+        """Register the objects."""
+        self.registerObjects(objects)
+
+
+def _read(args: tuple[Any, ...]) -> tuple[DynamicAABBTreeCollisionManager | CollisionObject | None, Any, Any]:
+    """Return the other manager or object, None if there is none, the data and the callback."""
+    if len(args) == 2:
+        return None, *args
+    if len(args) == 3 and isinstance(args[0], DynamicAABBTreeCollisionManager | CollisionObject):
+        return args
+    raise InputError(_EXPECTED, kind="type", what="args")
+
+
+def _wants_one_contact(cdata: Any) -> bool:
+    """Report whether `defaultCollisionCallback` stops at the first pair that collides."""
+    return (
+        isinstance(cdata, CollisionData)
+        and not cdata.done
+        and not cdata.result.contacts
+        and cdata.request.num_max_contacts == 1
+    )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from impinge import _bodies
 from impinge._arrays import plain_reals
 from impinge._errors import InputError
 from impinge._scalars import real
@@ -16,7 +15,7 @@ from impinge.fcl._geometry import CollisionGeometry
 class _Solid(CollisionGeometry):
     def __init__(self, shape: Shape) -> None:
         super().__init__()
-        self._body = _bodies.Body.of_shape(shape)
+        self._complete(shape, solid=True)
 
 
 class Sphere(_Solid):

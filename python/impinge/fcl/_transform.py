@@ -5,49 +5,46 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from impinge._arrays import plain_reals
+from impinge import _impinge
+from impinge._arrays import plain_reals, plain_shaped
 from impinge._errors import InputError
 from impinge._pose import pose
 
 
-class Transform:
+class Transform(_impinge.TransformBase):
     """A rotation, then a translation: a pose, world from geometry.
 
     Made by ``Transform()``, ``Transform(other)``, ``Transform(R)``, ``Transform(q)``,
     ``Transform(t)``, ``Transform(R, t)`` or ``Transform(q, t)``. ``R`` is a (3, 3) matrix, used
     unchanged; ``q`` is a unit quaternion, real part first; ``t`` is a translation in world units.
-
-    Attributes
-    ----------
-    matrix : (4, 4) float64 array
-        The pose, world from geometry, for column vectors.
     """
 
     def __init__(self, *args: Transform | ArrayLike) -> None:
-        self.matrix: NDArray[np.float64] = np.eye(4)
+        if self._read(args):
+            return
         if len(args) > 2:
             message = f"Transform() takes at most 2 arguments, not {len(args)}"
             raise InputError(message, kind="option", what="args")
-        if len(args) == 2:
-            self._rotate(plain_reals(args[0], "args", ()))
-            self.setTranslation(plain_reals(args[1], "args", ()).squeeze())
-        elif args and isinstance(args[0], Transform):
-            self.matrix = args[0].matrix.copy()
-        elif args:
-            value = plain_reals(args[0], "args", ())
-            if value.shape == (3,):
-                self.setTranslation(value)
-            else:
-                self._rotate(value)
-
-    def _rotate(self, value: NDArray[np.float64]) -> None:
+        value = plain_reals(args[0], "args", ())
+        if len(args) == 1 and value.shape == (3,):
+            self.setTranslation(value)
+            return
         if value.shape == (4,):
             self.setQuatRotation(value)
         else:
             self.setRotation(value)
+        if len(args) == 2:
+            self.setTranslation(plain_reals(args[1], "args", ()).squeeze())
+
+    @property
+    def matrix(self) -> NDArray[np.float64]:
+        """Copy of the pose, (4, 4), world from geometry, for column vectors."""
+        return super().matrix
 
     def getRotation(self) -> NDArray[np.float64]:
         """Return a copy of the (3, 3) rotation matrix, world from geometry."""
@@ -59,42 +56,43 @@ class Transform:
 
     def getQuatRotation(self) -> NDArray[np.float64]:
         """Return the rotation as a unit quaternion, rounded: real part first, at least zero."""
-        return _quaternion(self.matrix[:3, :3])
+        return quaternion_of(self.matrix[:3, :3])
 
     def setRotation(self, R: ArrayLike) -> None:
         """Set the (3, 3) rotation matrix, world from geometry, used unchanged.
 
         Raise an `InputError` if it has another shape or is not finite.
         """
-        self.matrix = pose(self.matrix[:3, 3], rotation=shaped(R, (3, 3), "R"))
+        self._set_linear(R, "R")
 
     def setTranslation(self, T: ArrayLike) -> None:
         """Set the (3,) translation, world from geometry, in world units.
 
         Raise an `InputError` if it has another shape or is not finite.
         """
-        self.matrix = pose(shaped(T, (3,), "T"), rotation=self.matrix[:3, :3])
+        self._set_translation(T, "T")
 
     def setQuatRotation(self, q: ArrayLike) -> None:
         """Set the rotation, world from geometry, to that of a quaternion, real part first.
 
         The quaternion is normalized. Raise an `InputError` unless its length is within 1e-3 of 1.
         """
-        self.matrix = pose(self.matrix[:3, 3], quat_wxyz=shaped(q, (4,), "q"))
+        self._set_linear(rotation_of(q), "q")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how to make an equal transform."""
+        return type(self), (self.getRotation(), self.getTranslation())
 
 
-def shaped(value: ArrayLike, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
-    """Return a value as a finite float64 array.
+def rotation_of(q: ArrayLike) -> NDArray[np.float64]:
+    """Return the (3, 3) rotation of a quaternion with the real part first.
 
-    Raise an `InputError` unless it has exactly this shape and all its numbers are finite.
+    Raise an `InputError` unless its length is within 1e-3 of 1.
     """
-    array = plain_reals(value, name, shape)
-    if array.shape != shape:
-        raise InputError(f"has shape {array.shape}; {shape} is expected", kind="shape", what=name)
-    return array
+    return pose(quat_wxyz=plain_shaped(q, (4,), "q"))[:3, :3]
 
 
-def _quaternion(r: NDArray[np.float64]) -> NDArray[np.float64]:
+def quaternion_of(r: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the unit quaternion of a rotation, with a real part of at least zero.
 
     It is a row of the quaternion's outer product with itself: the row with the largest diagonal

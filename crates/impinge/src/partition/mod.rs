@@ -69,7 +69,7 @@ mod plane_tree;
 mod ray;
 mod sort_and_sweep;
 
-pub use box_tree::BoxTree;
+pub use box_tree::{BoxTree, GapVisitor};
 pub use bsp_tree::BspTree;
 pub use changes::{Changes, Move};
 pub use column_sweep::ColumnSweep;

@@ -13,7 +13,8 @@
 //! | how deep are they in each other? | [`penetration()`] | [`Penetration`], a proved interval |
 //! | do their interiors intersect? | [`penetrates()`] | [`Penetrates`] |
 //! | where do they touch, for a solver? | [`contacts()`] | [`Manifold`]s |
-//! | which faces of two meshes intersect? | [`intersecting_pairs()`] | pairs of face indices |
+//! | which faces of two meshes intersect? | [`intersecting_pairs()`], [`any_intersecting_pair()`] | pairs of face indices |
+//! | in which points? | [`common_points()`] | one point of each pair |
 //! | along which curves? | [`intersection_curves()`] | [`Curves`] |
 //! | in which regions? | [`contact_patches()`] | [`ContactPatch`]es |
 //! | is a part of one mesh inside the other? | [`solid_intersection()`] | [`SolidIntersection`] |
@@ -49,13 +50,14 @@
 //! `placed` has the arguments of a query; `ask`, `cache` and `contact_options` have its options,
 //! and `answer` the answer about a distance. `intersects`, `distance`, `penetration` and
 //! `shapes/contacts` have the queries on any two things. They call `of_meshes` for two meshes, and
-//! `shapes` otherwise. `pairs`, `curves`, `patches`, `nesting`, `penetrates` and
+//! `shapes` otherwise. `pairs`, `common_points`, `curves`, `patches`, `nesting`, `penetrates` and
 //! `self_intersection` are about meshes. `batch` asks the queries at many poses.
 
 mod answer;
 mod ask;
 pub mod batch;
 mod cache;
+mod common_points;
 mod contact_options;
 mod curves;
 mod distance;
@@ -76,12 +78,13 @@ pub use crate::volume::Proximity;
 pub use answer::{Distance, Witness};
 pub use ask::Query;
 pub use cache::Cache;
+pub use common_points::common_points;
 pub use contact_options::ContactOptions;
 pub use curves::{Curves, curves_of_pairs, intersection_curves};
 pub use distance::{distance, nearness, within};
 pub use intersects::{intersects, proximity};
-pub use nesting::{Contained, SolidIntersection, solid_intersection, solid_intersection_of_pairs};
-pub use pairs::{LimitedPairs, intersecting_pairs, intersecting_pairs_up_to};
+pub use nesting::{Contained, SolidIntersection, contained_point, solid_intersection, solid_intersection_of_pairs};
+pub use pairs::{LimitedPairs, any_intersecting_pair, intersecting_pairs, intersecting_pairs_up_to};
 pub(crate) use patches::contacts_of_patches;
 pub(crate) use patches::normals_of_regions;
 pub use patches::{ContactPatch, contact_patches};

@@ -140,7 +140,7 @@ pub(super) fn nested(a: PlacedMesh<'_>, b: PlacedMesh<'_>, budget: &Budget<'_>) 
     let any = |inner: PlacedMesh<'_>, outer: PlacedMesh<'_>| {
         let nesting = Nesting::of(inner, outer);
         let containment = |corner| if budget.is_spent() { Containment::Undecided } else { nesting.containment(corner) };
-        nesting.free(&[]).into_par_iter().any(|corner| match containment(corner) {
+        let is_inside = |corner| match containment(corner) {
             Containment::Inside | Containment::Surface => true,
             Containment::Outside => false,
             Containment::Undecided => {
@@ -148,7 +148,12 @@ pub(super) fn nested(a: PlacedMesh<'_>, b: PlacedMesh<'_>, budget: &Budget<'_>) 
                 is_undecided.store(true, Ordering::Relaxed);
                 false
             }
-        })
+        };
+        match nesting.free(&[])[..] {
+            // Handing one component to the pool takes longer than to decide about it.
+            [corner] => is_inside(corner),
+            ref corners => corners.par_iter().any(|&corner| is_inside(corner)),
+        }
     };
     if (b.is_solid && any(a, b)) || (a.is_solid && any(b, a)) {
         Proximity::Intersects
@@ -157,6 +162,38 @@ pub(super) fn nested(a: PlacedMesh<'_>, b: PlacedMesh<'_>, budget: &Budget<'_>) 
     } else {
         Proximity::Apart
     }
+}
+
+/// Returns a point of a component of one mesh that lies in the other, a solid, or `None` if there
+/// is no such component. The point is a corner of a face, in the world frame, rounded. Undecided
+/// components count as inside.
+///
+/// The surfaces of the meshes must be apart.
+///
+/// ```
+/// use impinge::{Mesh, Pose, Positions, query};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]];
+/// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+/// let large = Mesh::new(Positions::F32(corners), faces)?;
+/// let inside = large.at(Pose::new([[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]], [1.0; 3])?);
+/// assert_eq!(query::contained_point(large.solid(), inside), Some([1.0; 3]));
+/// assert_eq!(query::contained_point(&large, inside), None);
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+///
+/// # Complexity
+/// As for [`solid_intersection`], without the search for pairs of faces.
+#[must_use]
+pub fn contained_point<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<PlacedMesh<'b>>) -> Option<[f64; 3]> {
+    let (a, b) = (a.into(), b.into());
+    let corner_in = |inner: PlacedMesh<'_>, outer: PlacedMesh<'_>| {
+        let nesting = Nesting::of(inner, outer);
+        let corner = nesting.free(&[]).into_iter().find(|&at| nesting.containment(at) != Containment::Outside)?;
+        Some(inner.world_from_mesh.apply(corner))
+    };
+    let of_a = if b.is_solid { corner_in(a, b) } else { None };
+    of_a.or_else(|| if a.is_solid { corner_in(b, a) } else { None })
 }
 
 /// Components of one mesh in the frame of another.

@@ -2,7 +2,7 @@
 
 use super::{Query, pair_order};
 use crate::budget::Stopped;
-use crate::mesh::{PlacedMesh, collect_intersecting};
+use crate::mesh::{PlacedMesh, any_hit, collect_intersecting};
 
 /// Returns all pairs of faces (face of `a`, face of `b`) that have a point in common, sorted and
 /// without duplicates.
@@ -71,7 +71,42 @@ pub fn intersecting_pairs_up_to<'a, 'b>(
     Query::new().intersecting_pairs_up_to(a, b, limit)
 }
 
+/// Returns a pair of faces that intersect, or `None` if the surfaces are disjoint. The search stops
+/// at the first pair found, which depends on how the hierarchies were built.
+///
+/// ```
+/// use impinge::{Mesh, Pose, Positions, query};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(Positions::F32(corners), vec![[0, 1, 2]])?;
+/// assert_eq!(query::any_intersecting_pair(&mesh, &mesh), Some([0, 0]));
+/// let above = mesh.at(Pose::from_translation([0.0, 0.0, 1.0])?);
+/// assert_eq!(query::any_intersecting_pair(&mesh, above), None);
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+///
+/// # Accuracy
+/// Exact, as for [`intersecting_pairs`].
+///
+/// # Complexity
+/// As for [`intersects`](super::intersects()) of two surfaces.
+#[must_use]
+pub fn any_intersecting_pair<'a, 'b>(a: impl Into<PlacedMesh<'a>>, b: impl Into<PlacedMesh<'b>>) -> Option<[u32; 2]> {
+    Query::new().any_intersecting_pair(a, b)
+}
+
 impl Query<'_> {
+    /// Returns a pair of faces that intersect, as [`any_intersecting_pair`] does. If the budget
+    /// ends the search, the pair may not intersect.
+    #[must_use]
+    pub fn any_intersecting_pair<'a, 'b>(
+        self,
+        a: impl Into<PlacedMesh<'a>>,
+        b: impl Into<PlacedMesh<'b>>,
+    ) -> Option<[u32; 2]> {
+        any_hit(a.into(), b.into(), &self.options)
+    }
+
     /// Returns all pairs of faces (face of `a`, face of `b`) that have a point in common, as
     /// [`intersecting_pairs`] does.
     #[must_use]

@@ -6,10 +6,12 @@
 //! - `winding` computes winding numbers from all three.
 //! - `sheets` connects faces along edges, and `walls` finds on which sides of a face the solid is.
 //! - `border` finds the parts of space that are far from the border of an open mesh.
+//! - `convexity` recognizes solids that are convex.
 //! - `bsp` is a tree of planes for many points against one solid.
 
 pub(super) mod border;
 pub(super) mod bsp;
+pub(super) mod convexity;
 pub(super) mod crossings;
 pub(super) mod far_field;
 pub(super) mod sheets;

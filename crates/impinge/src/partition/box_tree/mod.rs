@@ -4,9 +4,12 @@
 //! Source: Catto, *Dynamic bounding volume hierarchies*, GDC 2019 (fat leaves).
 
 mod build;
+mod by_gap;
 mod moves;
 mod pairs;
 mod queries;
+
+pub use by_gap::GapVisitor;
 
 use super::Items;
 use crate::hierarchy::{DynamicBvh, DynamicNode};

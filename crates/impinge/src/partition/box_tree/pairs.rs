@@ -52,7 +52,10 @@ impl BoxTree {
         pairs.into_sorted()
     }
 
-    fn for_each_pair_with_tree(&self, other: &Self, visit: &mut PairVisitor<'_>) -> ControlFlow<()> {
+    /// Visits all pairs of a box of this tree and a box of `other` that overlap, each once, in no
+    /// particular order, by descending both trees at once. The key of the box of this tree comes
+    /// first. Exact. Returns `Break` if the visitor ended the search.
+    pub fn for_each_pair_with_tree(&self, other: &Self, visit: &mut PairVisitor<'_>) -> ControlFlow<()> {
         let (Some(root), Some(other_root)) = (self.bvh.root(), other.bvh.root()) else {
             return ControlFlow::Continue(());
         };

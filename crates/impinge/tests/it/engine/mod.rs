@@ -7,6 +7,7 @@ mod animations;
 mod budgets;
 mod canceled;
 mod cases;
+mod common_points;
 mod curves;
 mod digits;
 mod laws;

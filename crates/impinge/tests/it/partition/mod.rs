@@ -6,6 +6,7 @@ mod built;
 mod cells;
 mod churn;
 mod columns;
+mod gaps;
 mod hostile;
 mod kinds;
 mod scenes;

@@ -3,6 +3,7 @@
 mod bricks;
 mod bsp;
 mod containment;
+mod convexity;
 mod depths;
 mod open;
 mod order;
