@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use crate::arrays::{Plain, array, row_array};
 use crate::errors::Fault;
 use crate::mesh::mesh_of;
-use crate::workers::{self, Call};
+use crate::workers::{self, Call, MAX_ROWS_ON_CALLER};
 
 /// Arrays of points.
 const PLAIN: Plain = Plain { core: &[3], reader: "plain_points" };
@@ -21,6 +21,15 @@ const BLOCK: usize = 256;
 /// Maximum number of points times faces of a call that runs on the caller's thread. It takes about
 /// a millisecond, or 100 milliseconds if values derived from the mesh must be computed first.
 pub(crate) const MAX_WORK_ON_CALLER: u128 = 1 << 20;
+
+/// What a query searches.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Search {
+    /// The tree of the mesh, which exists.
+    Tree,
+    /// Also values derived from the mesh. The first query computes them, which may take long.
+    Derived,
+}
 
 /// Rows of three numbers with their leading axes.
 pub(crate) struct Points {
@@ -60,15 +69,20 @@ impl Points {
     fn ask<T: Send + 'static>(
         self,
         mesh: &Bound<'_, PyAny>,
+        search: Search,
         ask: impl Fn(&Mesh, &[[f64; 3]]) -> Result<Vec<T>, InputError> + Send + Sync + 'static,
     ) -> PyResult<(Vec<T>, Vec<usize>)> {
         let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
         let Self { shape, rows: points } = self;
         let brief = points.len() as u128 * mesh.faces().len() as u128 <= MAX_WORK_ON_CALLER;
-        let call = Call { rows: points.len().div_ceil(BLOCK), is_brief: brief, progress: false };
-        let block = move |at: usize| ask(&mesh, &points[at * BLOCK..points.len().min((at + 1) * BLOCK)]);
+        let is_quick = search == Search::Tree && !brief && points.len() <= MAX_ROWS_ON_CALLER;
+        let size = if is_quick { 1 } else { BLOCK };
+        let count = points.len().div_ceil(size);
+        let block = move |at: usize| ask(&mesh, &points[at * size..points.len().min((at + 1) * size)]);
+        let call = Call { rows: count, is_brief: brief, progress: false };
+        let blocks = if is_quick { workers::quick_rows(py, count, block)? } else { workers::rows(py, call, block)? };
         let mut answers = Vec::new();
-        for block in workers::rows(py, call, block)? {
+        for block in blocks {
             answers.extend(block.map_err(|error| PyRuntimeError::new_err(error.to_string()))?);
         }
         Ok((answers, shape))
@@ -81,7 +95,7 @@ impl Points {
 #[pyfunction]
 pub(crate) fn closest_point<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let py = mesh.py();
-    let (found, shape) = Points::read(points, "points", 300)?.ask(mesh, Mesh::closest_points)?;
+    let (found, shape) = Points::read(points, "points", 300)?.ask(mesh, Search::Tree, Mesh::closest_points)?;
     let of = |value: fn(&ClosestPoint) -> f64| {
         found.iter().map(|found| found.as_ref().map_or(f64::INFINITY, value)).collect::<Vec<_>>()
     };
@@ -104,7 +118,7 @@ pub(crate) fn signed_distance<'py>(
     mesh: &Bound<'py, PyAny>,
     points: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (signed, shape) = Points::read(points, "points", 128)?.ask(mesh, |mesh, points| {
+    let (signed, shape) = Points::read(points, "points", 128)?.ask(mesh, Search::Derived, |mesh, points| {
         let near =
             mesh.closest_points(points)?.into_iter().map(|found| found.map_or(f64::INFINITY, |found| found.upper));
         let signed = |(distance, containment): (f64, Containment)| match containment {
@@ -120,7 +134,7 @@ pub(crate) fn signed_distance<'py>(
 /// Returns the winding numbers of the mesh about points of the mesh frame, (...), rounded.
 #[pyfunction]
 pub(crate) fn winding_number<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    let (numbers, shape) = Points::read(points, "points", 128)?.ask(mesh, Mesh::winding_number)?;
+    let (numbers, shape) = Points::read(points, "points", 128)?.ask(mesh, Search::Derived, Mesh::winding_number)?;
     array(mesh.py(), numbers.iter().map(|number| number.value).collect(), &shape)
 }
 
@@ -128,6 +142,6 @@ pub(crate) fn winding_number<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, 
 /// undecided point counts as contained.
 #[pyfunction]
 pub(crate) fn contains<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    let (found, shape) = Points::read(points, "points", 128)?.ask(mesh, Mesh::contains)?;
+    let (found, shape) = Points::read(points, "points", 128)?.ask(mesh, Search::Derived, Mesh::contains)?;
     array(mesh.py(), found.iter().map(|containment| containment.is_contained()).collect(), &shape)
 }

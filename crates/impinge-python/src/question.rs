@@ -21,6 +21,10 @@ const MAX_PAIRS_ON_CALLER: u128 = 1 << 24;
 /// one of the two things is a shape.
 const MAX_PIECE_PAIRS_ON_CALLER: u128 = 1 << 10;
 
+/// Maximum number of faces, over all rows, of a query about a mesh and a shape that starts on the
+/// caller's thread. If all faces were near the shape, Ctrl-C would wait a fraction of a second.
+const MAX_FACES_ON_CALLER: u128 = 1 << 21;
+
 /// Maximum number of rows of a query about two meshes that runs on the caller's thread. Waking
 /// other threads takes about ten microseconds, which pays only for more rows.
 const MAX_ROWS_ON_CALLER: usize = 16;
@@ -173,6 +177,12 @@ impl Question {
         let is_short = !self.may_take_long && rows <= max_rows && weight.saturating_mul(rows as u128) <= max_work;
         // A search that can be interrupted may start on the caller's thread, whatever its size is.
         let is_interruptible = are_meshes && search != Search::Whole && (!self.has_solid || is_short);
+        // So may a search of one mesh for a shape: few faces are near it, in almost all cases.
+        let is_quick = search == Search::OneThread
+            && !self.has_solid
+            && self.things.iter().any(|thing| thing.weight <= 1)
+            && weight.saturating_mul(rows as u128) <= MAX_FACES_ON_CALLER;
+        let is_interruptible = is_interruptible || is_quick && !is_short;
         let call = Call { rows, is_brief: is_short || is_interruptible, progress: self.progress };
         let batch = self.batch;
         let work = move |execution: Execution<'_>| verb(&batch.clone().with_execution(execution));

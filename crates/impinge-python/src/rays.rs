@@ -84,6 +84,21 @@ fn columns<'py>(py: Python<'py>, hits: Vec<Option<RayHit>>, shape: &[usize]) -> 
     Ok(columns.into_pyobject(py)?.into_any())
 }
 
+/// How long a call of rays takes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Size {
+    /// So short that the caller's thread answers all rays.
+    Brief,
+    /// Microseconds for a ray in almost all cases.
+    QuickRows,
+}
+
+impl Size {
+    pub(crate) fn brief_if(is_brief: bool) -> Self {
+        if is_brief { Self::Brief } else { Self::QuickRows }
+    }
+}
+
 /// Rays as origins and directions, whose leading axes broadcast.
 pub(crate) struct Rays {
     origins: Points,
@@ -131,7 +146,8 @@ impl Rays {
     ) -> PyResult<Vec<T>> {
         let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
         let brief = self.len() as u128 * mesh.faces().len() as u128 <= MAX_WORK_ON_CALLER;
-        self.ask_each(py, brief, move |origin, direction| Ok(ask(&mesh, &Ray::new(origin, direction)?)))
+        let size = Size::brief_if(brief);
+        self.ask_each(py, size, move |origin, direction| Ok(ask(&mesh, &Ray::new(origin, direction)?)))
     }
 
     /// Returns the results of `ask` for the origin and the direction of each ray.
@@ -141,15 +157,19 @@ impl Rays {
     pub(crate) fn ask_each<T: Send + 'static>(
         self,
         py: Python<'_>,
-        brief: bool,
+        size: Size,
         ask: impl Fn([f64; 3], [f64; 3]) -> Result<T, InputError> + Send + Sync + 'static,
     ) -> PyResult<Vec<T>> {
-        let call = Call { rows: self.len(), is_brief: brief, progress: false };
-        let shape = self.lead().to_vec();
-        let answers = workers::rows(py, call, move |row| {
+        let (rows, shape) = (self.len(), self.lead().to_vec());
+        let answer = move |row| {
             let [origin, direction] = self.at(row);
             ask(origin, direction)
-        })?;
+        };
+        let call = Call { rows, is_brief: true, progress: false };
+        let answers = match size {
+            Size::QuickRows => workers::quick_rows(py, rows, answer)?,
+            Size::Brief => workers::rows(py, call, answer)?,
+        };
         let checked = answers.into_iter().enumerate().map(|(row, answer)| {
             answer.map_err(|error| {
                 let at = Broadcast::place(&shape, row);

@@ -36,7 +36,7 @@ const MAX_POOLS: usize = 4;
 const PATIENCE: Duration = Duration::from_micros(200);
 
 /// Maximum number of rows of a call that the caller's thread starts.
-const MAX_ROWS_ON_CALLER: usize = 16;
+pub(crate) const MAX_ROWS_ON_CALLER: usize = 16;
 
 /// Size of a call, and how to run it.
 #[derive(Clone, Copy)]
@@ -179,6 +179,19 @@ pub(crate) fn rows<T: Send + 'static>(
     Ok(execute(py, call, move |execution| execution.rows(call.rows, || (), |(), row| ask(row)))?.0)
 }
 
+/// Returns the answers of `ask` for rows that take microseconds each in almost all cases, as a
+/// search down one tree does. The caller's thread starts a call of few rows, and the pool takes
+/// over if that takes long.
+pub(crate) fn quick_rows<T: Send + 'static>(
+    py: Python<'_>,
+    rows: usize,
+    ask: impl Fn(usize) -> T + Send + Sync + 'static,
+) -> PyResult<Vec<T>> {
+    let call = Call { rows, is_brief: true, progress: false };
+    let work = move |execution: Execution<'_>| execution.rows(rows, || (), |(), row| ask(row));
+    Ok(execute_interruptibly(py, call, true, work)?.0)
+}
+
 /// Does work on rows, on all threads. A brief call runs on the caller's thread. Returns the result,
 /// and the limit that was reached if it is not complete.
 pub(crate) fn execute<T: Send + 'static>(
@@ -198,6 +211,16 @@ pub(crate) fn execute<T: Send + 'static>(
         work(Execution::default().sequentially())
     });
     done.map(|done| (done, None)).map_err(limits::raised)
+}
+
+/// Runs a job that checks its budget on the caller's thread, which checks for signals meanwhile.
+/// For jobs that are known to be short.
+pub(crate) fn run_on_caller<T: Send>(py: Python<'_>, job: impl Fn(&Budget<'_>) -> T + Send + Sync) -> PyResult<T> {
+    let work = |execution: Execution<'_>| Ok(job(execution.budget()));
+    match on_callers_thread(py, Allowed::asked(py)?, None, &work)? {
+        Ok((answer, None)) => Ok(answer),
+        Ok((_, Some(stopped))) | Err(stopped) => Err(limits::raised(stopped)),
+    }
 }
 
 /// Does work as [`execute`] does, for work that checks its budget within a row. The caller's thread

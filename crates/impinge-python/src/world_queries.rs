@@ -11,7 +11,7 @@ use crate::boxes::Boxes;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::points::Points;
 use crate::poses;
-use crate::rays::Rays;
+use crate::rays::{Rays, Size};
 use crate::shapes::read_shape;
 use crate::workers::{self, Call};
 use crate::world::WorldCore;
@@ -67,7 +67,7 @@ fn cast<'py, T: Send + 'static>(
         let kind = if reach.is_nan() { "non-finite" } else { "negative" };
         return Err(Fault::new(kind, "reach", format!("must be at least zero, not {reach}")).raised(py));
     }
-    Rays::read(&origins, &directions)?.ask_each(py, false, move |origin, direction| {
+    Rays::read(&origins, &directions)?.ask_each(py, Size::QuickRows, move |origin, direction| {
         let ray = Ray::new(origin, direction, reach)?;
         Ok(ask(&turn.read(), &ray, RayOptions { culls_back_faces }))
     })

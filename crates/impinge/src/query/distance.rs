@@ -125,7 +125,9 @@ impl Query<'_> {
     #[must_use]
     pub fn distance<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Distance {
         let (a, b) = (a.into(), b.into());
-        let Some([a, b]) = meshes(&a, &b) else { return table::separation(&a.shape(), &b.shape()).into() };
+        let Some([a, b]) = meshes(&a, &b) else {
+            return table::separation(&a.shape(), &b.shape(), self.options.budget).into();
+        };
         let mut warm_start = WarmStart::default();
         let warm_start = self.cache.map_or(&mut warm_start, |cache| &mut cache.warm_start);
         of_meshes::distance(a, b, warm_start, &self.options)
@@ -157,8 +159,8 @@ impl Query<'_> {
     pub(super) fn nearness_of_shapes(self, a: &Placed<'_>, b: &Placed<'_>, clearance: f64) -> Proximity {
         let (a, b) = (a.shape(), b.shape());
         match self.cache {
-            Some(cache) => shapes::nearness_from(&a, &b, clearance, &mut cache.coherence),
-            None => shapes::nearness(&a, &b, clearance),
+            Some(cache) => shapes::nearness_from(&a, &b, clearance, &mut cache.coherence, self.options.budget),
+            None => shapes::nearness(&a, &b, clearance, self.options.budget),
         }
     }
 }

@@ -124,7 +124,10 @@ impl Query<'_> {
 fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Budget<'_>) -> Vec<OfParts> {
     let mut found = Vec::new();
     if let ([a], [b]) = (a.parts(), b.parts()) {
-        if !budget.is_spent() && gap_of_boxes(a, b) <= margin && nearness_of_parts(a, b, margin) != Proximity::Apart {
+        if !budget.is_spent()
+            && gap_of_boxes(a, b) <= margin
+            && nearness_of_parts(a, b, margin, budget) != Proximity::Apart
+        {
             found.extend(contacts_of_parts(a, b, margin, budget).into_iter().map(OfParts::alone));
         }
         return found;
@@ -134,7 +137,7 @@ fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Budge
             break;
         }
         let (part_a, part_b) = (&a.parts()[numbers[0] as usize], &b.parts()[numbers[1] as usize]);
-        if nearness_of_parts(part_a, part_b, margin) != Proximity::Apart {
+        if nearness_of_parts(part_a, part_b, margin, budget) != Proximity::Apart {
             let of_parts = contacts_of_parts(part_a, part_b, margin, budget).into_iter();
             found.extend(of_parts.map(|contacts| across_seams([a, b], numbers, contacts, margin)));
         }

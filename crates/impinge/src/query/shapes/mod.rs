@@ -14,6 +14,7 @@ mod spheres;
 pub(super) mod table;
 
 use super::Proximity;
+use crate::budget::Budget;
 use crate::convex::{self, Coherence};
 use crate::shape::{Form, PlacedShape};
 
@@ -22,15 +23,21 @@ use crate::shape::{Form, PlacedShape};
 const MAX_CLEARANCE: f64 = f64::from_bits((1023 + 320) << 52);
 
 /// Returns whether two shapes are at most `clearance` apart. `clearance` must not be negative or
-/// NaN.
-pub(super) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
+/// NaN. The answer is undecided if the budget ends the query.
+pub(super) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f64, budget: &Budget<'_>) -> Proximity {
     // No two shapes are farther apart than that.
-    table::nearness(a, b, clearance.min(MAX_CLEARANCE))
+    table::nearness(a, b, clearance.min(MAX_CLEARANCE), budget)
 }
 
 /// Returns [`nearness`], starting from the direction along which two convex shapes were last apart,
 /// and updates it.
-pub(super) fn nearness_from(a: &PlacedShape, b: &PlacedShape, clearance: f64, known: &mut Coherence) -> Proximity {
+pub(super) fn nearness_from(
+    a: &PlacedShape,
+    b: &PlacedShape,
+    clearance: f64,
+    known: &mut Coherence,
+    budget: &Budget<'_>,
+) -> Proximity {
     if let ([part_a], [part_b]) = (a.parts(), b.parts())
         && let (Form::Convex(a), Form::Convex(b)) = (part_a.form(), part_b.form())
         && clearance <= MAX_CLEARANCE
@@ -39,5 +46,5 @@ pub(super) fn nearness_from(a: &PlacedShape, b: &PlacedShape, clearance: f64, kn
         let is_far = table::gap_of_boxes(part_a, part_b) > clearance;
         return if is_far { Proximity::Apart } else { convex::nearness_from(&a, &b, clearance, known) };
     }
-    nearness(a, b, clearance)
+    nearness(a, b, clearance, budget)
 }

@@ -84,10 +84,12 @@ fn depth_in_order(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -> Dept
     });
     let mut ways: Vec<Separated> = ways.collect();
     ways.sort_by(|x, y| x.length.total_cmp(&y.length));
-    let Some(best) =
-        ways.into_iter().find(|way| is_separated(a, b, &way.translation)).map(|way| tightened(a, b, way, budget))
+    let Some(best) = ways
+        .into_iter()
+        .find(|way| is_separated(a, b, &way.translation, budget))
+        .map(|way| tightened(a, b, way, budget))
     else {
-        let points = separation(a, b).points;
+        let points = separation(a, b, budget).points;
         return Depth { lower: 0.0, upper: f64::INFINITY, normal: [1.0, 0.0, 0.0], points };
     };
     let points = [best.points[0], sub(&best.points[1], &best.translation)];
@@ -106,8 +108,8 @@ fn certainly_only_touch(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -
 }
 
 /// Reports whether the second shape, moved by a translation, is proved to be apart from the first.
-fn is_separated(a: &PlacedShape, b: &PlacedShape, translation: &Vector) -> bool {
-    moved(b, translation).is_some_and(|b| separation(a, &b).proximity == Proximity::Apart)
+fn is_separated(a: &PlacedShape, b: &PlacedShape, translation: &Vector, budget: &Budget<'_>) -> bool {
+    moved(b, translation).is_some_and(|b| separation(a, &b, budget).proximity == Proximity::Apart)
 }
 
 /// Shortens a translation until the shapes nearly touch. Each step moves by the proved distance
@@ -122,7 +124,7 @@ fn tightened(a: &PlacedShape, b: &PlacedShape, way: Separated, budget: &Budget<'
         let whole = length(&best.translation);
         let share = (whole - at.distance * (1.0 - LEFT)) / whole;
         let Some(nearer) = Place::new(a, b, scaled(&best.translation, share), &mut warm_start, budget) else { break };
-        if share <= 0.0 || nearer.length() >= best.length || !is_separated(a, b, &nearer.translation) {
+        if share <= 0.0 || nearer.length() >= best.length || !is_separated(a, b, &nearer.translation, budget) {
             break;
         }
         best = nearer.separated();
@@ -153,7 +155,7 @@ fn descend(
     let mut at = [1.0, 2.0, 16.0]
         .into_iter()
         .map(|factor| scaled(direction, start * factor + 4.0 * near))
-        .filter(|translation| is_separated(a, b, translation))
+        .filter(|translation| is_separated(a, b, translation, budget))
         .find_map(|translation| Place::new(a, b, translation, &mut warm_start, budget))?;
     let mut best = at.separated();
     let mut planes: Vec<(Vector, f64)> = Vec::new();
@@ -215,7 +217,7 @@ impl Place {
         let moved = moved(b, &translation)?;
         let found = match surfaces(a, &moved) {
             Some([a, b]) => separation_of_surfaces(&a, &b, warm_start, budget),
-            None => separation(a, &moved),
+            None => separation(a, &moved, budget),
         };
         // The translation that was really added, after rounding.
         let translation = sub(moved.world_from_local().translation(), b.world_from_local().translation());

@@ -12,15 +12,18 @@ use crate::query::{Proximity, of_meshes};
 use crate::shape::{Form, PlacedShape};
 
 /// Returns whether two shapes are at most `clearance` apart. `clearance` must be finite and not
-/// negative.
-pub(in crate::query) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
+/// negative. The answer is undecided if the budget ends the query.
+pub(in crate::query) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f64, budget: &Budget<'_>) -> Proximity {
     if let ([a], [b]) = (a.parts(), b.parts()) {
         let is_far = gap_of_boxes(a, b) > clearance;
-        return if is_far { Proximity::Apart } else { nearness_of_parts(a, b, clearance) };
+        return if is_far { Proximity::Apart } else { nearness_of_parts(a, b, clearance, budget) };
     }
     let mut answer = Proximity::Apart;
     for [number_a, number_b] in pairs_near(a, b, clearance) {
-        match nearness_of_parts(&a.parts()[number_a as usize], &b.parts()[number_b as usize], clearance) {
+        if budget.is_spent() {
+            return Proximity::Undecided;
+        }
+        match nearness_of_parts(&a.parts()[number_a as usize], &b.parts()[number_b as usize], clearance, budget) {
             Proximity::Intersects => return Proximity::Intersects,
             Proximity::Undecided => answer = Proximity::Undecided,
             Proximity::Apart => {}
@@ -30,7 +33,7 @@ pub(in crate::query) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f6
 }
 
 /// Returns whether two parts are at most `clearance` apart.
-pub(super) fn nearness_of_parts(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> Proximity {
+pub(super) fn nearness_of_parts(a: &PlacedShape, b: &PlacedShape, clearance: f64, budget: &Budget<'_>) -> Proximity {
     match (a.form(), b.form()) {
         (Form::Convex(a), Form::Convex(b)) => convex::nearness(&a, &b, clearance),
         (Form::HalfSpace(plane), Form::Convex(shape)) | (Form::Convex(shape), Form::HalfSpace(plane)) => {
@@ -43,26 +46,28 @@ pub(super) fn nearness_of_parts(a: &PlacedShape, b: &PlacedShape, clearance: f64
         (Form::Surface(surface), Form::HalfSpace(plane)) | (Form::HalfSpace(plane), Form::Surface(surface)) => {
             plane.nearness_of_surface(&surface, clearance)
         }
-        (Form::Surface(a), Form::Surface(b)) => nearness_of_surfaces(mesh_of(&a), mesh_of(&b), clearance),
+        (Form::Surface(a), Form::Surface(b)) => nearness_of_surfaces(mesh_of(&a), mesh_of(&b), clearance, budget),
     }
 }
 
 /// Returns whether two meshes are at most `clearance` apart. Without a clearance the search for an
 /// intersection is much faster if the meshes nearly coincide.
-fn nearness_of_surfaces(a: PlacedMesh<'_>, b: PlacedMesh<'_>, clearance: f64) -> Proximity {
+fn nearness_of_surfaces(a: PlacedMesh<'_>, b: PlacedMesh<'_>, clearance: f64, budget: &Budget<'_>) -> Proximity {
+    let options = Options { budget, ..Options::default() };
     if clearance == 0.0 {
-        return of_meshes::proximity(a, b, &mut LastHit::default(), &Options::default());
+        return of_meshes::proximity(a, b, &mut LastHit::default(), &options);
     }
-    of_meshes::nearness(a, b, clearance, &mut WarmStart::default(), &Options::default())
+    of_meshes::nearness(a, b, clearance, &mut WarmStart::default(), &options)
 }
 
-/// Computes the distance of two shapes: the minimum over their parts.
-pub(in crate::query) fn separation(a: &PlacedShape, b: &PlacedShape) -> Separation {
+/// Computes the distance of two shapes: the minimum over their parts. If the budget ends the query,
+/// the lower bound is zero and the answer undecided.
+pub(in crate::query) fn separation(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -> Separation {
     if let ([a], [b]) = (a.parts(), b.parts()) {
-        return separation_of_parts(a, b);
+        return separation_of_parts(a, b, budget);
     }
-    let reach = near_pair(a, b)
-        .map_or(f64::INFINITY, |[i, j]| separation_of_parts(&a.parts()[i as usize], &b.parts()[j as usize]).upper);
+    let of_parts = |[i, j]: [u32; 2]| separation_of_parts(&a.parts()[i as usize], &b.parts()[j as usize], budget);
+    let reach = near_pair(a, b).map_or(f64::INFINITY, |numbers| of_parts(numbers).upper);
     let mut near: Vec<(f64, [u32; 2])> = pairs_near(a, b, reach)
         .into_iter()
         .map(|[i, j]| (gap_of_boxes(&a.parts()[i as usize], &b.parts()[j as usize]), [i, j]))
@@ -74,7 +79,10 @@ pub(in crate::query) fn separation(a: &PlacedShape, b: &PlacedShape) -> Separati
         if gap > best.upper {
             break;
         }
-        let found = separation_of_parts(&a.parts()[i as usize], &b.parts()[j as usize]);
+        if best.upper < f64::INFINITY && budget.is_spent() {
+            return Separation { lower: 0.0, proximity: Proximity::Undecided, ..best };
+        }
+        let found = of_parts([i, j]);
         let lower = best.lower.min(found.lower);
         let is_undecided = best.proximity == Proximity::Undecided || found.proximity == Proximity::Undecided;
         if found.proximity == Proximity::Intersects {
@@ -91,7 +99,7 @@ pub(in crate::query) fn separation(a: &PlacedShape, b: &PlacedShape) -> Separati
     best
 }
 
-fn separation_of_parts(a: &PlacedShape, b: &PlacedShape) -> Separation {
+fn separation_of_parts(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -> Separation {
     match (a.form(), b.form()) {
         (Form::Convex(a), Form::Convex(b)) => convex::separation(&a, &b),
         (Form::HalfSpace(plane), Form::Convex(shape)) => plane.separation(&shape),
@@ -103,11 +111,14 @@ fn separation_of_parts(a: &PlacedShape, b: &PlacedShape) -> Separation {
         (Form::Surface(surface), Form::HalfSpace(plane)) => swapped(plane.separation_of_surface(&surface)),
         (Form::Surface(a), Form::Surface(b)) => {
             // The nearest points are those of the surfaces, even if one mesh is inside the other.
-            let found = of_meshes::distance_without_cache(surface_of(&a), surface_of(&b));
+            let options = Options { budget, ..Options::default() };
+            let found = of_meshes::distance(surface_of(&a), surface_of(&b), &mut WarmStart::default(), &options);
             let proximity = if found.upper == 0.0 {
                 Proximity::Intersects
+            } else if budget.stopped().is_some() {
+                Proximity::Undecided
             } else {
-                nested(mesh_of(&a), mesh_of(&b), Budget::unlimited())
+                nested(mesh_of(&a), mesh_of(&b), budget)
             };
             let [lower, upper] = match proximity {
                 Proximity::Apart => [found.lower, found.upper],

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use impinge::budget::{Budget, Stopped};
 use impinge::query::batch::{Batch, Execution, Status};
 use impinge::query::{self, Penetrates, Proximity, Query};
-use impinge::{Mesh, Pose, Positions};
+use impinge::{Mesh, Pose, Positions, Shape};
 use impinge_testkit::generate::knots::{Knot, TREFOIL, torus_knot};
 
 fn knot() -> Mesh {
@@ -52,6 +52,23 @@ fn a_spent_budget_gives_the_safe_answer_of_each_query() {
         for budget in &budgets {
             assert_eq!(budget.stopped(), Some(reason));
         }
+    }
+}
+
+#[test]
+fn a_spent_budget_ends_queries_of_compounds() {
+    let apart = Pose::from_translation([0.0, 0.0, 100.0]).expect("a pose");
+    let [thick, thin] = nested_knots().map(|mesh| {
+        let parts = [(Shape::mesh(&mesh), Pose::IDENTITY), (Shape::mesh(&mesh), apart)];
+        Shape::compound(&parts).and_then(|compound| compound.at(Pose::IDENTITY)).expect("a compound")
+    });
+    let budgets: [Budget<'_>; 3] = std::array::from_fn(|_| Budget::new().with_steps(0));
+    assert_eq!(ask(&budgets[0]).proximity(&thick, &thin), Proximity::Undecided);
+    assert_eq!(ask(&budgets[1]).nearness(&thick, &thin, 1e-9), Proximity::Undecided);
+    let found = ask(&budgets[2]).distance(&thick, &thin);
+    assert_eq!((found.lower, found.proximity), (0.0, Proximity::Undecided));
+    for budget in &budgets {
+        assert_eq!(budget.stopped(), Some(Stopped::Steps));
     }
 }
 
