@@ -23,6 +23,7 @@ mod managers;
 mod mesh;
 mod model;
 mod motions;
+mod pace;
 mod partition_queries;
 mod partitions;
 mod points;

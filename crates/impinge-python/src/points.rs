@@ -22,7 +22,7 @@ const BLOCK: usize = 256;
 /// a millisecond, or 100 milliseconds if values derived from the mesh must be computed first.
 pub(crate) const MAX_WORK_ON_CALLER: u128 = 1 << 20;
 
-/// What a query searches.
+/// The data that a query searches.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Search {
     /// The tree of the mesh, which exists.

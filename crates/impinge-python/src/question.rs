@@ -177,7 +177,7 @@ impl Question {
         let is_short = !self.may_take_long && rows <= max_rows && weight.saturating_mul(rows as u128) <= max_work;
         // A search that can be interrupted may start on the caller's thread, whatever its size is.
         let is_interruptible = are_meshes && search != Search::Whole && (!self.has_solid || is_short);
-        // So may a search of one mesh for a shape: few faces are near it, in almost all cases.
+        // A search of one mesh for a shape may, too: few faces are near it, in almost all cases.
         let is_quick = search == Search::OneThread
             && !self.has_solid
             && self.things.iter().any(|thing| thing.weight <= 1)

@@ -87,7 +87,7 @@ fn columns<'py>(py: Python<'py>, hits: Vec<Option<RayHit>>, shape: &[usize]) -> 
 /// How long a call of rays takes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Size {
-    /// So short that the caller's thread answers all rays.
+    /// The caller's thread answers all rays, because that is short.
     Brief,
     /// Microseconds for a ray in almost all cases.
     QuickRows,

@@ -5,11 +5,8 @@
 //! So a call that waits for the world detaches from the interpreter first.
 
 use std::cell::Cell;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
 
-use impinge::budget::Budget;
 use impinge::query::Proximity;
 use impinge::world::{Body, BodyId, Options, PairKey, Traits, World, WorldError};
 use impinge::{Pose, Positions};
@@ -21,6 +18,7 @@ use crate::contacts;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::read_positions;
 use crate::motions::matrix;
+use crate::pace::Pace;
 use crate::poses;
 use crate::shapes::read_shape;
 use crate::workers;
@@ -31,10 +29,6 @@ use crate::world_bodies::{
 use crate::world_state::{Shapes, Source, WorldState};
 use crate::world_turn::{Shared, Turn};
 
-/// Maximum time of a step after which the next one runs on the caller's thread. Waking the pool
-/// takes a part of it.
-const MAX_STEP_ON_CALLER: Duration = Duration::from_micros(200);
-
 /// Contents of `impinge.World`.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct WorldCore {
@@ -43,9 +37,7 @@ pub(crate) struct WorldCore {
     shared: Mutex<Arc<Shared>>,
     /// Exception that a filter raised in the current step.
     raised: Arc<Mutex<Option<PyErr>>>,
-    /// Nanoseconds that the last step took. Steps are much alike, so it tells where the next one
-    /// runs.
-    last_step: AtomicU64,
+    pace: Pace,
 }
 
 thread_local! {
@@ -114,7 +106,7 @@ impl WorldCore {
             narrow_phase: chosen(narrow_phase, "narrow_phase", &NARROW_PHASES)?,
         };
         let shared = Shared::new(World::with_options(options));
-        Ok(Self { shared: Mutex::new(Arc::new(shared)), raised: Arc::default(), last_step: AtomicU64::new(u64::MAX) })
+        Ok(Self { shared: Mutex::new(Arc::new(shared)), raised: Arc::default(), pace: Pace::new() })
     }
 
     fn count(&self, py: Python<'_>) -> PyResult<usize> {
@@ -203,21 +195,17 @@ impl WorldCore {
         let moves: Vec<(BodyId, Pose)> = ids.iter().copied().zip(poses).collect();
         let turn = self.turn(py)?;
         drop(self.raised());
-        let step = move |budget: &Budget<'_>| {
-            let begun = Instant::now();
+        let events = self.pace.run(py, move |budget| {
             let mut world = turn.write();
             let events = world.step_with_budget(&moves, budget)?.clone();
             let is_persisting = |pair: &PairKey| events.began.binary_search(pair).is_err();
             let stay = persisting.then(|| world.pairs().map(|pair| pair.key).filter(is_persisting).collect::<Vec<_>>());
-            Ok((events, stay, begun.elapsed()))
-        };
-        let is_short = self.last_step.load(Ordering::Relaxed) <= MAX_STEP_ON_CALLER.as_nanos() as u64;
-        let events = if is_short { workers::run_on_caller(py, step)? } else { workers::run(py, step)? };
+            Ok((events, stay))
+        })?;
         if let Some(raised) = self.raised() {
             return Err(raised);
         }
-        let (events, stay, took) = events.map_err(|error| of_bodies(&error, &ids, "poses").raised(py))?;
-        self.last_step.store(took.as_nanos() as u64, Ordering::Relaxed);
+        let (events, stay) = events.map_err(|error| of_bodies(&error, &ids, "poses").raised(py))?;
         let work = events.work;
         let counters = (work.changed, work.gained, work.lost, work.examined, work.candidates);
         let stay = stay.map(|stay| keys(py, &stay)).transpose()?;
