@@ -42,9 +42,20 @@ impl Changed {
             self.how.resize(at + 1, Change::No);
         }
         if self.how[at] == Change::No && change != Change::No {
+            // Bodies that come and go without a step list their slots again and again.
+            if self.places.len() >= 2 * self.how.len() {
+                self.tidy();
+            }
             self.places.push(place);
         }
         self.how[at] = self.how[at].max(change);
+    }
+
+    /// Removes slots of bodies that did not change, and slots that are listed twice.
+    fn tidy(&mut self) {
+        self.places.retain(|&place| self.how[place as usize] != Change::No);
+        self.places.sort_unstable();
+        self.places.dedup();
     }
 
     /// Forgets the change of the body in a slot, for example because it was removed.
@@ -63,9 +74,7 @@ impl Changed {
 
     /// Returns the slots of the changed bodies, sorted.
     pub(super) fn places(&mut self) -> Vec<u32> {
-        self.places.retain(|&place| self.how[place as usize] != Change::No);
-        self.places.sort_unstable();
-        self.places.dedup();
+        self.tidy();
         self.places.clone()
     }
 
@@ -100,5 +109,17 @@ mod tests {
         assert_eq!(changed.places(), [2]);
         changed.clear();
         assert!(changed.is_empty() && changed.of(2) == Change::No);
+    }
+
+    #[test]
+    fn bodies_that_come_and_go_take_no_more_memory() {
+        let mut changed = Changed::default();
+        for round in 0..10_000 {
+            changed.mark(round % 3, Change::Place);
+            changed.forget(round % 3);
+        }
+        changed.mark(1, Change::Place);
+        assert!(changed.places.capacity() <= 16, "{}", changed.places.capacity());
+        assert_eq!(changed.places(), [1]);
     }
 }
