@@ -109,7 +109,7 @@ type Moving<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bou
 
 /// Returns the lower and the upper bound of each time of impact, from 0 at the start to 1 at the
 /// end, then the point, the normal, the parts and the faces of the first touch, as six arrays. Both
-/// bounds are infinite without contact. A part or a face of -1, and NaN, mean that there is none.
+/// bounds are infinite without contact. A part or a face of -1, and NaN, stand for a missing one.
 #[pyfunction]
 pub(crate) fn time_of_impact<'py>(
     py: Python<'py>,

@@ -10,7 +10,7 @@ use crate::boxes::Boxes;
 use crate::errors::Fault;
 use crate::partitions::{EXPONENT, PartitionCore, Snapshot};
 use crate::points::Points;
-use crate::rays::{Rays, Size};
+use crate::rays::Rays;
 use crate::workers::{self, Call};
 
 /// Maximum number of rows of a call that runs on the caller's thread. It takes a fraction of a
@@ -176,7 +176,5 @@ fn cast<T: Send + 'static>(
     }
     let (rays, snapshot): (Rays, Snapshot) = (Rays::read(origins, directions)?, partition.get().snapshot(py));
     let brief = rays.len() <= MAX_QUERIES_ON_CALLER;
-    rays.ask_each(py, Size::brief_if(brief), move |origin, direction| {
-        Ok(ask(snapshot.get(), &Ray::new(origin, direction, reach)?))
-    })
+    rays.ask_each(py, brief, move |origin, direction| Ok(ask(snapshot.get(), &Ray::new(origin, direction, reach)?)))
 }

@@ -84,21 +84,6 @@ fn columns<'py>(py: Python<'py>, hits: Vec<Option<RayHit>>, shape: &[usize]) -> 
     Ok(columns.into_pyobject(py)?.into_any())
 }
 
-/// How long a call of rays takes.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Size {
-    /// The caller's thread answers all rays, because that is short.
-    Brief,
-    /// Microseconds for a ray in almost all cases.
-    QuickRows,
-}
-
-impl Size {
-    pub(crate) fn brief_if(is_brief: bool) -> Self {
-        if is_brief { Self::Brief } else { Self::QuickRows }
-    }
-}
-
 /// Rays as origins and directions, whose leading axes broadcast.
 pub(crate) struct Rays {
     origins: Points,
@@ -146,18 +131,18 @@ impl Rays {
     ) -> PyResult<Vec<T>> {
         let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
         let brief = self.len() as u128 * mesh.faces().len() as u128 <= MAX_WORK_ON_CALLER;
-        let size = Size::brief_if(brief);
-        self.ask_each(py, size, move |origin, direction| Ok(ask(&mesh, &Ray::new(origin, direction)?)))
+        self.ask_each(py, brief, move |origin, direction| Ok(ask(&mesh, &Ray::new(origin, direction)?)))
     }
 
-    /// Returns the results of `ask` for the origin and the direction of each ray.
+    /// Returns the results of `ask` for the origin and the direction of each ray. The caller's
+    /// thread answers all of them if `brief` is set, or else it starts a call of few rays.
     ///
     /// # Errors
     /// `InputError` for the first ray that is invalid.
     pub(crate) fn ask_each<T: Send + 'static>(
         self,
         py: Python<'_>,
-        size: Size,
+        brief: bool,
         ask: impl Fn([f64; 3], [f64; 3]) -> Result<T, InputError> + Send + Sync + 'static,
     ) -> PyResult<Vec<T>> {
         let (rows, shape) = (self.len(), self.lead().to_vec());
@@ -165,10 +150,10 @@ impl Rays {
             let [origin, direction] = self.at(row);
             ask(origin, direction)
         };
-        let call = Call { rows, is_brief: true, progress: false };
-        let answers = match size {
-            Size::QuickRows => workers::quick_rows(py, rows, answer)?,
-            Size::Brief => workers::rows(py, call, answer)?,
+        let answers = if brief {
+            workers::rows(py, Call { rows, is_brief: true, progress: false }, answer)?
+        } else {
+            workers::quick_rows(py, rows, answer)?
         };
         let checked = answers.into_iter().enumerate().map(|(row, answer)| {
             answer.map_err(|error| {

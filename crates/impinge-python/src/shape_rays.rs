@@ -5,7 +5,7 @@ use impinge::world::{Body, World};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, row_array};
-use crate::rays::{Rays, Size};
+use crate::rays::Rays;
 use crate::shapes::{WeighedShape, read_shape};
 use crate::world_bodies::refused;
 
@@ -26,7 +26,7 @@ pub(crate) fn shape_ray_cast<'py>(
     let mut world = World::new();
     world.insert(Body::new(shape)).map_err(|error| refused(&error, "shape", 0).at(Vec::new()).raised(py))?;
     let (lead, brief) = (rays.lead().to_vec(), weight.saturating_mul(rays.len() as u64) <= MAX_WORK_ON_CALLER);
-    let found = rays.ask_each(py, Size::brief_if(brief), move |origin, direction| {
+    let found = rays.ask_each(py, brief, move |origin, direction| {
         Ok(world.ray_cast(&partition::Ray::new(origin, direction, f64::INFINITY)?, |_| true))
     })?;
     let columns = (

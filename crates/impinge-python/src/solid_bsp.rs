@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use crate::arrays::array;
 use crate::mesh::mesh_of;
 use crate::points::Points;
-use crate::rays::{self, Rays, Size};
+use crate::rays::{self, Rays};
 use crate::workers::{self, Call};
 
 /// Maximum number of points or rays of a call that runs on the caller's thread.
@@ -52,7 +52,7 @@ impl SolidBspCore {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (py, tree, rays) = (origins.py(), self.0.clone(), Rays::read(origins, directions)?);
         let (shape, brief) = (rays.lead().to_vec(), rays.len() <= MAX_QUERIES_ON_CALLER);
-        let found = rays.ask_each(py, Size::brief_if(brief), move |origin, direction| {
+        let found = rays.ask_each(py, brief, move |origin, direction| {
             Ok(tree.ray_cast(&impinge::mesh::Ray::new(origin, direction)?))
         })?;
         rays::first_hits(py, found, &shape)

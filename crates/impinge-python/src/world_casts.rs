@@ -26,8 +26,8 @@ pub(crate) fn world_shape_cast<'py>(
     moving: Moving<'py>,
     layers: u32,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (py, shape) = (world.py(), motions_of(&moving.1, "motion")?.0);
-    let found =
+    let py = world.py();
+    let (found, shape) =
         cast(world, moving, move |world, (shape, motion), sweep| world.shape_cast(shape, motion, sweep, on(layers)))?;
     let bodies = found.iter().map(|found| found.map_or(0, |found| found.body.to_bits())).collect();
     let impacts: Vec<Impact> = found.iter().map(|found| found.map_or(Impact::NEVER, |found| found.impact)).collect();
@@ -42,10 +42,11 @@ pub(crate) fn world_shape_cast_all<'py>(
     moving: Moving<'py>,
     layers: u32,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (py, shape) = (world.py(), motions_of(&moving.1, "motion")?.0);
-    let (offsets, hits) = ragged(cast(world, moving, move |world, (shape, motion), sweep| {
+    let py = world.py();
+    let (found, shape) = cast(world, moving, move |world, (shape, motion), sweep| {
         world.shape_cast_all(shape, motion, sweep, on(layers))
-    })?);
+    })?;
+    let (offsets, hits) = ragged(found);
     let (ends, count) = (offsets.len(), hits.len());
     let bodies = hits.iter().map(|found: &BodyImpact| found.body.to_bits()).collect();
     let impacts: Vec<Impact> = hits.iter().map(|found| found.impact).collect();
@@ -53,18 +54,19 @@ pub(crate) fn world_shape_cast_all<'py>(
     Ok((array(py, offsets, &[ends])?, columns, shape).into_pyobject(py)?.into_any())
 }
 
-/// Returns the results of `of` for a shape and each of its motions.
+/// Returns the results of `of` for a shape and each of its motions, and the leading axes.
 fn cast<A: Send + 'static>(
     world: &Bound<'_, WorldCore>,
     (shape, motion, clearance, ignore_touch): Moving<'_>,
     of: impl Fn(&World, (&impinge::Shape, &Motion), Sweep<'_>) -> Result<A, impinge::InputError> + Send + Sync + 'static,
-) -> PyResult<Vec<A>> {
+) -> PyResult<(Vec<A>, Vec<usize>)> {
     let moving = read_shape(&shape, "shape", false)?.shape;
     let (lead, motions) = motions_of(&motion, "motion")?;
-    ask(world, "motion", &lead, motions, move |world, motion| {
+    let found = ask(world, "motion", &lead, motions, move |world, motion| {
         let sweep = Sweep::new().with_clearance(clearance);
         of(world, (&moving, motion), if ignore_touch { sweep.ignoring_touch() } else { sweep })
-    })
+    })?;
+    Ok((found, lead))
 }
 
 /// Returns the body that is nearest to a shape at each pose, (...), which is 0 if none is within

@@ -11,7 +11,7 @@ use crate::boxes::Boxes;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::points::Points;
 use crate::poses;
-use crate::rays::{Rays, Size};
+use crate::rays::Rays;
 use crate::shapes::read_shape;
 use crate::workers::{self, Call};
 use crate::world::WorldCore;
@@ -30,8 +30,8 @@ pub(crate) fn world_ray_cast<'py>(
     rays: RayArguments<'py>,
     layers: u32,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (py, shape) = (world.py(), Rays::read(&rays.0, &rays.1)?.lead().to_vec());
-    let found = cast(world, rays, move |world, ray, options| world.ray_cast_with(ray, options, on(layers)))?;
+    let py = world.py();
+    let (found, shape) = cast(world, rays, move |world, ray, options| world.ray_cast_with(ray, options, on(layers)))?;
     let hit = array(py, found.iter().map(Option::is_some).collect(), &shape)?;
     Ok((hit, columns(py, found, &shape)?).into_pyobject(py)?.into_any())
 }
@@ -44,8 +44,9 @@ pub(crate) fn world_ray_cast_all<'py>(
     rays: RayArguments<'py>,
     layers: u32,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (py, shape) = (world.py(), Rays::read(&rays.0, &rays.1)?.lead().to_vec());
-    let found = cast(world, rays, move |world, ray, options| world.ray_cast_all_with(ray, options, on(layers)))?;
+    let py = world.py();
+    let (found, shape) =
+        cast(world, rays, move |world, ray, options| world.ray_cast_all_with(ray, options, on(layers)))?;
     let (offsets, hits) = ragged(found);
     let (places, count) = (offsets.len(), hits.len());
     let hits = columns(py, hits.into_iter().map(Some).collect(), &[count])?;
@@ -57,24 +58,28 @@ pub(crate) fn on(layers: u32) -> impl Fn(&Traits) -> bool {
     move |traits| traits.layers.on & layers != 0
 }
 
+/// Returns the results of `ask` for all rays, and the leading axes.
 fn cast<'py, T: Send + 'static>(
     world: &Bound<'py, WorldCore>,
     (origins, directions, reach, culls_back_faces): RayArguments<'py>,
     ask: impl Fn(&World, &Ray, RayOptions) -> T + Send + Sync + 'static,
-) -> PyResult<Vec<T>> {
+) -> PyResult<(Vec<T>, Vec<usize>)> {
     let (py, turn) = (world.py(), world.get().turn(world.py())?);
     if reach.is_nan() || reach < 0.0 {
         let kind = if reach.is_nan() { "non-finite" } else { "negative" };
         return Err(Fault::new(kind, "reach", format!("must be at least zero, not {reach}")).raised(py));
     }
-    Rays::read(&origins, &directions)?.ask_each(py, Size::QuickRows, move |origin, direction| {
+    let rays = Rays::read(&origins, &directions)?;
+    let lead = rays.lead().to_vec();
+    let found = rays.ask_each(py, false, move |origin, direction| {
         let ray = Ray::new(origin, direction, reach)?;
         Ok(ask(&turn.read(), &ray, RayOptions { culls_back_faces }))
-    })
+    })?;
+    Ok((found, lead))
 }
 
 /// Returns the ray parameter t, (...), the body, (...), the point, (..., 3), the normal, (..., 3),
-/// the part, (...), and the face, (...). A part or a face of -1, and NaN, mean that there is none.
+/// the part, (...), and the face, (...). A part or a face of -1, and NaN, stand for a missing one.
 fn columns<'py>(py: Python<'py>, hits: Vec<Option<BodyRayHit>>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let t = hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect();
     let body = hits.iter().map(|hit| hit.map_or(0, |hit| hit.body.to_bits())).collect();

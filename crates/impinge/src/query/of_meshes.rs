@@ -3,6 +3,7 @@
 use super::last_hit::LastHit;
 use super::nesting::nested;
 use super::{Distance, Proximity, Witness};
+use crate::budget::Budget;
 use crate::mesh::{self, Options, PlacedMesh, WarmStart};
 
 /// Reports whether two meshes have a point in common. `last_hit` makes a repeated query faster.
@@ -50,8 +51,8 @@ pub(super) fn nearness(
 }
 
 /// Returns the distance of two meshes, without state from an earlier query.
-pub(super) fn distance_without_cache(a: PlacedMesh<'_>, b: PlacedMesh<'_>) -> Distance {
-    distance(a, b, &mut WarmStart::default(), &Options::default())
+pub(super) fn distance_without_cache(a: PlacedMesh<'_>, b: PlacedMesh<'_>, budget: &Budget<'_>) -> Distance {
+    distance(a, b, &mut WarmStart::default(), &Options { budget, ..Options::default() })
 }
 
 /// Returns the distance of two meshes. `warm_start` holds state of the last query, which makes this

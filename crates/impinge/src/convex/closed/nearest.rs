@@ -92,11 +92,17 @@ fn of_segments(from: &Vector, one: &Vector, other: &Vector) -> [f64; 2] {
 /// Returns the multiples of the half edges of a box.
 #[inline]
 fn of_box(from: &Vector, edges: [&Vector; 3]) -> [f64; 3] {
+    settled(from, edges, MAX_SWEEPS)
+}
+
+/// Returns multiples of half edges, corrected one after the other until none changes.
+#[inline]
+fn settled<const COUNT: usize>(from: &Vector, edges: [&Vector; COUNT], max_sweeps: usize) -> [f64; COUNT] {
     let inverse = edges.map(|edge| inverse_of(dot(edge, edge)));
-    let (mut shares, mut rest) = ([0.0; 3], *from);
-    for _ in 0..MAX_SWEEPS {
+    let (mut shares, mut rest) = ([0.0; COUNT], *from);
+    for _ in 0..max_sweeps {
         let mut change = 0.0_f64;
-        for at in 0..3 {
+        for at in 0..COUNT {
             let edge = edges[at];
             let share: f64 = (shares[at] - dot(&rest, edge) * inverse[at]).clamp(-1.0, 1.0);
             let by = share - shares[at];
@@ -173,21 +179,5 @@ fn of_box_at(from: &Vector, edge: &Vector, axes: [&Vector; 3], along: f64) -> [f
 /// one box leans against an edge of the other.
 fn of_boxes(differences: &Differences) -> [f64; 6] {
     let edges = differences.edges();
-    let mut shares = [0.0; 6];
-    let mut rest = differences.between;
-    let inverse: [f64; 6] = std::array::from_fn(|at| inverse_of(dot(&edges[at], &edges[at])));
-    for _ in 0..2 * MAX_SWEEPS {
-        let mut change = 0.0_f64;
-        for (at, edge) in edges.iter().enumerate() {
-            let share: f64 = (shares[at] - dot(&rest, edge) * inverse[at]).clamp(-1.0, 1.0);
-            let by = share - shares[at];
-            rest = std::array::from_fn(|k| rest[k] + by * edge[k]);
-            shares[at] = share;
-            change = change.max(by.abs());
-        }
-        if change <= SETTLED {
-            break;
-        }
-    }
-    shares
+    settled(&differences.between, std::array::from_fn(|at| &edges[at]), 2 * MAX_SWEEPS)
 }

@@ -185,7 +185,7 @@ fn of_contained(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -> Vec<Co
 }
 
 /// Returns the contacts of two meshes: those of the regions in which their surfaces intersect or
-/// are within the margin. If there are none, as for faces without area, it returns the nearest
+/// are within the margin. Without such contacts, as for faces without area, it returns the nearest
 /// points.
 fn of_surfaces(a: &Surface<'_>, b: &Surface<'_>, margin: f64, budget: &Budget<'_>) -> Vec<Contacts> {
     let (a, b) = (surface_of(a), surface_of(b));
@@ -193,7 +193,7 @@ fn of_surfaces(a: &Surface<'_>, b: &Surface<'_>, margin: f64, budget: &Budget<'_
     if !found.is_empty() || budget.stopped().is_some() {
         return found;
     }
-    let distance = of_meshes::distance_without_cache(a, b);
+    let distance = of_meshes::distance_without_cache(a, b, budget);
     let Some(witness) = distance.witness.filter(|_| distance.lower <= margin) else { return Vec::new() };
     let Some([face_a, face_b]) = witness.faces else { return Vec::new() };
     let between: [f64; 3] = std::array::from_fn(|k| witness.point_b[k] - witness.point_a[k]);

@@ -4,8 +4,8 @@
 //! crate that is deeper in the floor than it is over the next tile would be pushed back at the seam
 //! if each tile were alone. A ball would be pushed back by the edge that it has left. So a normal
 //! is buried if it leads from all points of a contact nearer to other parts of the same compound.
-//! It is replaced by the normal of a facet that is not buried. If there is none, the contact is
-//! left out, because those other parts have contacts.
+//! It is replaced by the normal of a facet that is not buried. Without such a facet the contact is
+//! left out, if those other parts have contacts with the same part of the other shape.
 //!
 //! Only convex parts bury others, and only they are buried. Contacts with half-spaces stay. The
 //! tests are `a_crate_on_flush_tiles_is_only_lifted` and the two after it in
@@ -47,17 +47,17 @@ impl OfParts {
     }
 }
 
-/// Leaves out contacts that are buried by parts which have contacts themselves.
+/// Leaves out contacts that are buried by parts which have contacts themselves, with the same part
+/// of the other shape.
 pub(super) fn remove_buried(found: &mut Vec<OfParts>) {
-    let mut outside: [HashSet<u32>; 2] = Default::default();
-    for of_parts in found.iter().filter(|of_parts| !of_parts.is_buried()) {
-        (0..2).for_each(|side| _ = outside[side].insert(of_parts.numbers[side]));
-    }
+    let outside: HashSet<[u32; 2]> =
+        found.iter().filter(|of_parts| !of_parts.is_buried()).map(|of_parts| of_parts.numbers).collect();
     found.retain(|of_parts| {
-        let is_held = |side: usize| {
-            of_parts.buried_by[side].iter().all(|parts| parts.iter().any(|part| outside[side].contains(part)))
-        };
-        !of_parts.is_buried() || !is_held(0) || !is_held(1)
+        let [a, b] = of_parts.numbers;
+        let [by_a, by_b] = &of_parts.buried_by;
+        let is_held = by_a.iter().all(|parts| parts.iter().any(|&part| outside.contains(&[part, b])))
+            && by_b.iter().all(|parts| parts.iter().any(|&part| outside.contains(&[a, part])));
+        !of_parts.is_buried() || !is_held
     });
 }
 
@@ -86,7 +86,7 @@ pub(super) fn across_seams(shapes: [&PlacedShape; 2], numbers: [u32; 2], contact
 }
 
 /// Returns for each contact point of one part the other parts of the shape that its normal leads
-/// to. Returns no list at all if there is none for some point.
+/// to. Returns no list at all if some point leads to no other part.
 fn buriers(shape: &PlacedShape, own: u32, contacts: &Contacts, side: usize, step: f64) -> Vec<Vec<u32>> {
     if shape.parts().len() == 1 || !matches!(shape.parts()[own as usize].form(), Form::Convex(_)) {
         return Vec::new();
@@ -119,4 +119,30 @@ fn others_near(shape: &PlacedShape, own: u32, point: [f64; 3], near: f64) -> Vec
         Form::Surface(_) => false,
     };
     shape.parts_near(Some([corner[0]; 2]), near).into_iter().filter(|&part| part != own && is_near(part)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the numbers of contacts that remain, given the numbers of all, each with the part of
+    /// the first shape that buries it.
+    fn remaining(all: &[([u32; 2], Option<u32>)]) -> Vec<[u32; 2]> {
+        let of_parts = |&(numbers, buried_by): &([u32; 2], Option<u32>)| OfParts {
+            numbers,
+            contacts: Contacts { normal: [0.0, 0.0, 1.0], contacts: Vec::new() },
+            buried_by: [buried_by.map(|part| vec![part]).into_iter().collect(), Vec::new()],
+        };
+        let mut found: Vec<OfParts> = all.iter().map(of_parts).collect();
+        remove_buried(&mut found);
+        found.iter().map(|of_parts| of_parts.numbers).collect()
+    }
+
+    #[test]
+    fn a_contact_goes_only_if_the_part_that_buries_it_touches_the_same_part() {
+        assert_eq!(remaining(&[([0, 0], None), ([1, 0], Some(0))]), [[0, 0]]);
+        // In a corner each part buries the contact of the other. Other feet stand elsewhere.
+        let feet = [([0, 0], None), ([0, 2], Some(1)), ([1, 1], None), ([1, 2], Some(0))];
+        assert_eq!(remaining(&feet), feet.map(|(numbers, _)| numbers));
+    }
 }

@@ -11,6 +11,7 @@
 //! Programming Study 3, 1975 (bundles of slopes).
 
 use super::table::surface_of;
+use crate::budget::Budget;
 use crate::convex::{self, Core, Surface, Swept, depth, nearest_of_hull};
 use crate::math::Pose;
 use crate::math::vec3::{Vector, cross, dot, length, sub};
@@ -224,5 +225,5 @@ fn proved_radius_in_solid(surface: &Surface<'_>, point: &Vector) -> Option<f64> 
     // A mesh whose one face is a point.
     let mesh = Mesh::new(Positions::F32(vec![[0.0; 3]]), vec![[0; 3]]).ok()?;
     let there = mesh.at(Pose::from_translation(*point).ok()?);
-    Some(of_meshes::distance_without_cache(surface_of(surface), there).lower)
+    Some(of_meshes::distance_without_cache(surface_of(surface), there, Budget::unlimited()).lower)
 }

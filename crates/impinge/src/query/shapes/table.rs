@@ -111,8 +111,7 @@ fn separation_of_parts(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) ->
         (Form::Surface(surface), Form::HalfSpace(plane)) => swapped(plane.separation_of_surface(&surface)),
         (Form::Surface(a), Form::Surface(b)) => {
             // The nearest points are those of the surfaces, even if one mesh is inside the other.
-            let options = Options { budget, ..Options::default() };
-            let found = of_meshes::distance(surface_of(&a), surface_of(&b), &mut WarmStart::default(), &options);
+            let found = of_meshes::distance_without_cache(surface_of(&a), surface_of(&b), budget);
             let proximity = if found.upper == 0.0 {
                 Proximity::Intersects
             } else if budget.stopped().is_some() {
