@@ -29,7 +29,7 @@ pub(crate) struct Detail {
     pub(crate) depth: f64,
 }
 
-/// Returns the contacts of two objects, or `None` for objects without contact: a list with a tuple for
+/// Returns the contacts of two objects, or `None` without contact: a list with a tuple for
 /// each. It has the two faces and, if `details` is set, the point, (3,), normal, (3,), and depth.
 #[pyfunction]
 pub(crate) fn fcl_collide<'py>(

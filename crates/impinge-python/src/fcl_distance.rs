@@ -18,7 +18,7 @@ pub(crate) const OVERLAP: f64 = -1.0;
 pub(crate) struct Separation {
     /// Distance, or minus the depth, in world units. [`OVERLAP`] if the depth is not computed.
     pub(crate) value: f64,
-    /// Nearest or deepest point of each body in the world frame, rounded. Zero without such a point.
+    /// Nearest or deepest point of each body in the world frame, rounded. Zero without one.
     pub(crate) points: [[f64; 3]; 2],
     /// Index of the nearest face of each body; -1 without faces.
     pub(crate) faces: [i64; 2],
