@@ -113,8 +113,13 @@ impl WidePlane {
     }
 }
 
-/// Returns the sign of `det(q - p, r - p, s - p)`.
+/// Returns the sign of `det(q - p, r - p, s - p)`. Points that share a coordinate, as those in one
+/// row of a grid, take no arithmetic.
 pub(crate) fn orient3d(p: &[f64; 3], q: &[f64; 3], r: &[f64; 3], s: &[f64; 3]) -> Sign {
+    let share_coordinate = (0..3).any(|k| p[k] == q[k] && p[k] == r[k] && p[k] == s[k]);
+    if share_coordinate || [p, q, r].contains(&s) {
+        return Zero;
+    }
     PairCorners::new(&Placement::new(&Pose::IDENTITY, &Pose::IDENTITY), &[*p, *q, *r], &[*s; 3]).sides_of_a()[0]
 }
 

@@ -173,7 +173,7 @@ impl<'p> Surface<'p> {
         let s = &self.points[point as usize];
         match face.plane.side(s) {
             Some(sign) => sign == Positive,
-            None => self.side_exactly(&face.corners, s) == Positive,
+            None => !face.corners.contains(&point) && self.side_exactly(&face.corners, s) == Positive,
         }
     }
 
@@ -331,9 +331,9 @@ fn simplex(points: &[[f64; 3]]) -> Option<[u32; 4]> {
     let height = |s: &[f64; 3]| plane.height(s).abs();
     let is_off = |s: &[f64; 3]| plane.side(s).unwrap_or_else(|| orient3d(p, q, r, s)) != Zero;
     let d = farthest(points, height, is_off)?;
-    let numbers = [a, b, c, d].map(|index| index as u32);
-    let [a, b, c, d] = numbers;
-    Some(if orient3d(p, q, r, &points[d as usize]) == Negative { [a, b, c, d] } else { [a, c, b, d] })
+    let is_below = plane.side(&points[d]).unwrap_or_else(|| orient3d(p, q, r, &points[d])) == Negative;
+    let [a, b, c, d] = [a, b, c, d].map(|index| index as u32);
+    Some(if is_below { [a, b, c, d] } else { [a, c, b, d] })
 }
 
 /// Returns the first and the last point in the lexicographic order of coordinates, or `None` if all

@@ -39,8 +39,7 @@ impl CutPlane {
             Self::Across { .. } => Sign::Zero,
             Self::OfFace(face) => planes[face as usize].side(point).unwrap_or_else(|| {
                 let [p, q, r] = mesh.corners(face);
-                // Most points that the filter does not decide are corners that faces share.
-                if [p, q, r].contains(point) { Sign::Zero } else { orient3d(&p, &q, &r, point) }
+                orient3d(&p, &q, &r, point)
             }),
         }
     }
