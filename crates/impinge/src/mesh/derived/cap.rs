@@ -19,7 +19,7 @@ use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
 use super::topology::BorderEdge;
-use crate::exact::Corners;
+use crate::exact::{AxisRay, Corners, PosedPoint};
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::math::vec3::{cross, length};
@@ -72,6 +72,24 @@ impl Cap {
     pub(crate) fn is_far_from(&self, corners: &Corners) -> bool {
         let bounds = bounds_of(corners.iter().copied());
         bounds.is_some_and(|bounds| self.boxes.iter().all(|near| !grown(near, 2.0 * self.reach).overlaps(&bounds)))
+    }
+
+    /// Reports whether the start of a ray is proved to be beyond the reach of the border, and the
+    /// ray to cross no cap. Then the point is in the solid of the mesh exactly if the crossings of
+    /// the ray with faces of the mesh do not add up to zero.
+    pub(in crate::mesh) fn is_clear_of(&self, point: &PosedPoint<'_>, ray: AxisRay) -> bool {
+        let low: [f64; 3] = std::array::from_fn(|k| (point.approximate[k] - point.error[k]).next_down());
+        let high: [f64; 3] = std::array::from_fn(|k| (point.approximate[k] + point.error[k]).next_up());
+        self.boxes.iter().all(|near| {
+            let (min, max) = (near.min(), near.max());
+            let is_within_reach = (0..3)
+                .all(|k| (min[k] - self.reach).next_down() <= high[k] && low[k] <= (max[k] + self.reach).next_up());
+            let may_cross = (0..3).all(|k| {
+                let [rises, falls] = [ray.ascending, !ray.ascending].map(|is_along| is_along && k == ray.axis);
+                (falls || low[k] <= max[k]) && (rises || min[k] <= high[k])
+            });
+            !is_within_reach && !may_cross
+        })
     }
 
     /// Returns boxes in the world frame, rounded outward, that hold everything within reach of the

@@ -1,10 +1,12 @@
 //! Queries of points and rays against a mesh.
 //!
-//! `nearest` finds the closest point of a mesh. `face_search` finds the faces for which a caller's
+//! `nearest` finds the closest point of a mesh, and `point_packet` culls the triangles of a packet
+//! for it. `face_search` finds the faces for which a caller's
 //! bound is small. `rays` finds the faces that a ray intersects, and `ray_packet` culls the
 //! triangles of a packet against a ray for it.
 
 pub(super) mod face_search;
 pub(super) mod nearest;
+mod point_packet;
 pub(super) mod ray_packet;
 pub(super) mod rays;

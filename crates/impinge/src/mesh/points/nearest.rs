@@ -6,8 +6,10 @@
 //!
 //! Guarded by `tests/it/distance/points.rs`.
 
+use fearless_simd::Simd;
 use rayon::prelude::*;
 
+use super::point_packet::Viewpoint;
 use crate::hierarchy::{Child, Node};
 use crate::input::InputError;
 use crate::math::relative::UNIT_ROUNDOFF;
@@ -15,7 +17,7 @@ use crate::math::vec3::{Vector, length, sub};
 use crate::mesh::Mesh;
 use crate::mesh::storage::frame::reciprocal_power_of_two;
 use crate::primitive::{CLOSED_FORM_ERROR, point_triangle};
-use crate::simd::LANES;
+use crate::simd::{LANES, best_level, bits, dispatch};
 
 /// The point of a mesh that is nearest to a given point, with a proved interval of the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,21 +74,32 @@ impl Mesh {
     }
 
     fn nearest_to(&self, point: &Vector) -> Option<ClosestPoint> {
-        let nodes = self.0.tree.nodes();
-        nodes.first()?;
-        let mut search = Search::new(self, point);
-        let mut tasks = vec![(0.0, Child::Inner(0))];
-        while let Some((bound, child)) = tasks.pop() {
-            if bound > search.cut {
-                continue;
-            }
-            match child {
-                Child::Inner(node) => search.open(&nodes[node as usize], &mut tasks),
-                Child::Leaf(leaf) => search.process_leaf(leaf),
+        let has_faces = !self.0.tree.nodes().is_empty();
+        has_faces.then(|| dispatch!(best_level(), simd => nearest(simd, self, point)))
+    }
+}
+
+#[inline(always)]
+fn nearest<S: Simd>(simd: S, mesh: &Mesh, point: &Vector) -> ClosestPoint {
+    let (nodes, packets) = (mesh.0.tree.nodes(), mesh.packets());
+    let mut search = Search::new(mesh, point);
+    let mut tasks = vec![(0.0, Child::Inner(0))];
+    while let Some((bound, child)) = tasks.pop() {
+        if bound > search.cut {
+            continue;
+        }
+        match child {
+            Child::Inner(node) => search.open(&nodes[node as usize], &mut tasks),
+            Child::Leaf(leaf) => {
+                let packet = packets.get(simd, leaf);
+                let reach = search.cut.sqrt() / search.per_packed * (1.0 + 1e-9);
+                for lane in bits(search.viewpoint.may_be_within(simd, &packet, reach)) {
+                    search.process_face(packet.leaf.faces[lane]);
+                }
             }
         }
-        Some(search.finish())
     }
+    search.finish()
 }
 
 /// Minimum number of points per parallel task. Fewer points cost less than handing them to another
@@ -104,6 +117,7 @@ struct Search<'a> {
     packed: Vector,
     /// Units of the search in one packed unit.
     per_packed: f64,
+    viewpoint: Viewpoint,
     /// Error bound of `value`, in the unit of the search.
     error: f64,
     /// Squared distance above which boxes are skipped, in the unit of the search.
@@ -131,12 +145,16 @@ impl<'a> Search<'a> {
         // `reach` of the mesh's center.
         let size = 4.0 * reach * scale;
         let error = (CLOSED_FORM_ERROR + 4.0 * UNIT_ROUNDOFF) * size;
+        let seen_from = frame.pack(*point);
+        let largest = seen_from.iter().fold(1.0_f64, |largest, x| largest.max(x.abs()));
+        let viewpoint = Viewpoint { point: seen_from, error: 16.0 * UNIT_ROUNDOFF * largest };
         Self {
             mesh,
             point,
             scale,
             packed: offset.map(|x| x * scale),
             per_packed: scale / frame.scale,
+            viewpoint,
             error,
             cut: f64::INFINITY,
             value: f64::INFINITY,
@@ -146,6 +164,7 @@ impl<'a> Search<'a> {
     }
 
     /// Appends the near children of a node, the nearest last.
+    #[inline(always)]
     fn open(&self, node: &Node, tasks: &mut Vec<(f64, Child)>) {
         // The packed point has two roundings, and packed boxes have no error.
         let slack = 4.0 * UNIT_ROUNDOFF;
@@ -172,19 +191,13 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn process_leaf(&mut self, leaf: u32) {
-        let faces = self.mesh.leaf(leaf).faces;
-        for (lane, &face) in faces.iter().enumerate() {
-            if lane > 0 && face == faces[0] {
-                continue;
-            }
-            let corners = self.mesh.corners(face).map(|corner| sub(&corner, self.point).map(|x| x * self.scale));
-            let (squared, foot) = point_triangle(&[0.0; 3], &corners);
-            let value = squared.sqrt();
-            if (value, face) < (self.value, self.face) {
-                (self.value, self.face, self.foot) = (value, face, foot);
-                self.cut = ((value + 2.0 * self.error) * (1.0 + 1e-9)).powi(2);
-            }
+    fn process_face(&mut self, face: u32) {
+        let corners = self.mesh.corners(face).map(|corner| sub(&corner, self.point).map(|x| x * self.scale));
+        let (squared, foot) = point_triangle(&[0.0; 3], &corners);
+        let value = squared.sqrt();
+        if (value, face) < (self.value, self.face) {
+            (self.value, self.face, self.foot) = (value, face, foot);
+            self.cut = ((value + 2.0 * self.error) * (1.0 + 1e-9)).powi(2);
         }
     }
 

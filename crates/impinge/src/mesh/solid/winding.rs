@@ -15,7 +15,8 @@
 //! integrate curves. Ours are polygons with an error bound, and our rays along the axes, with their
 //! ties, are exact. So the cost depends on the border, not on the mesh. If the border is long, as
 //! for a soup of triangles, the solid angles of the faces are summed up instead. Far faces are
-//! summed up by expansions.
+//! summed up by expansions. Away from the border the crossings of one ray alone tell what is inside
+//! (L19a).
 //!
 //! Proof: docs/notes/proof.md, L16 and L17. Guarded by `tests/it/solids/winding.rs` and
 //! `containment.rs`, and by the benchmark `solids` of `impinge-bench`.
@@ -217,10 +218,12 @@ impl<'m> PointClassifier<'m> {
     /// Returns the position of a point relative to the mesh taken as a solid.
     pub(crate) fn containment(&mut self, point: &PosedPoint<'_>) -> Containment {
         let rays = crossings::rays_by_length(self.mesh, point);
-        let crossings = self.mesh.crossings(point, rays[0], &mut self.stack);
+        let cap = self.mesh.cap();
+        let clear = rays.into_iter().find(|&ray| cap.is_clear_of(point, ray));
+        let crossings = self.mesh.crossings(point, clear.unwrap_or(rays[0]), &mut self.stack);
         if !crossings.holding.is_empty() {
             Containment::Surface
-        } else if self.mesh.is_closed() {
+        } else if clear.is_some() {
             WindingNumber::exactly(crossings.count).containment()
         } else if self.has_long_border() {
             let winding = |sum: &Bounded| WindingNumber::about(0, sum).containment();

@@ -94,6 +94,37 @@ fn intervals_of_open_meshes_contain_the_solid_angles() {
     assert!(widest < 1e-9, "{widest:e}");
 }
 
+/// Away from the border one ray decides. Winding numbers always come from the whole border.
+#[test]
+fn points_in_open_meshes_are_those_with_a_winding_number() {
+    let mut rng = Rng::new(6);
+    let open_box = without_faces(solids::cuboid([0.0; 3], [2.0; 3]), &[2, 3]);
+    let cracked = without_faces(solids::cuboid([0.0; 3], [4.0; 3]), &[5]);
+    let sphere = without_faces(sphere(), &[3, 4, 90]);
+    let nested = open_box.clone().joined(&cracked).joined(&flipped(cracked.clone()));
+    let [mut inside, mut outside] = [0; 2];
+    for (name, mesh) in [("box", open_box), ("cracked", cracked), ("sphere", sphere), ("nested", nested)] {
+        let solid = engine(&mesh);
+        assert!(!solid.is_closed());
+        let far: Vec<[f64; 3]> = (0..300).map(|_| std::array::from_fn(|_| rng.uniform(-9.0, 13.0))).collect();
+        let near: Vec<[f64; 3]> = (0..600).map(|_| std::array::from_fn(|_| rng.uniform(-1.0, 5.0))).collect();
+        for points in [far, near, grid_points(-1, 4)] {
+            let windings = solid.winding_number(&points).expect("finite points");
+            for ((&point, winding), found) in points.iter().zip(windings).zip(solid.contains(&points).unwrap()) {
+                let (is_in, is_out) =
+                    (winding.lower.abs().min(winding.upper.abs()) > 0.5, winding.value.abs() < 0.4999);
+                if is_on_surface(&mesh, point) {
+                    assert_eq!(found, Surface, "{name} at {point:?}");
+                } else if is_in || is_out {
+                    assert_eq!(found, if is_in { Inside } else { Outside }, "{name} at {point:?}: {winding:?}");
+                    *(if is_in { &mut inside } else { &mut outside }) += 1;
+                }
+            }
+        }
+    }
+    assert!(inside > 300 && outside > 1_500, "{inside} {outside}");
+}
+
 #[test]
 fn winding_numbers_of_long_borders_are_within_their_bounds() {
     let mut rng = Rng::new(6);
