@@ -52,7 +52,7 @@ pub(crate) use half_space::HalfSpace;
 pub(crate) use interval::Separation;
 pub(crate) use manifold::{Contact, Contacts, Faceted, contacts, contacts_along_facets};
 pub use overlap::Feature;
-pub(crate) use piece::{Body, Found, OrientedFace, contacts_of_bodies, pieces, unresolved};
+pub(crate) use piece::{Body, Found, OrientedFace, Touched, contacts_of_bodies, pieces, unresolved};
 pub(crate) use posed::{Core, Swept, to_unit_entries, to_unit_length};
 pub(crate) use simplex::nearest as nearest_of_hull;
 pub use support::Support;

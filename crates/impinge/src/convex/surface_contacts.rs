@@ -18,10 +18,11 @@ use super::distance::nearness;
 use super::interval::{above, below};
 use super::manifold::{Contact, Contacts, Faceted, contacts};
 use super::overlap::Feature;
-use super::piece::{Body, Found, OrientedFace, contacts_of_bodies, pieces, unresolved};
+use super::piece::{Body, Found, OrientedFace, Touched, contacts_of_bodies, pieces, unresolved};
 use super::posed::{Core, Pair, Swept, to_unit_length};
 use super::surface::{Beside, Surface, corners_of_box};
 use super::{Facets, HalfSpace};
+use crate::budget::Budget;
 use crate::math::vec3::{cross, dot, length, sub};
 use crate::mesh::FaceSearch;
 use crate::primitive::closest_on_triangle;
@@ -35,22 +36,27 @@ const SAME_DISTANCE: f64 = 1.0 / (1_u64 << 36) as f64;
 
 impl Surface<'_> {
     /// Returns the contacts of this mesh, which comes first, with a convex set that is at most
-    /// `margin` away, in world units. There is at least one if a face is that near.
-    pub(crate) fn contacts(&self, shape: &Faceted<'_>, margin: f64) -> Vec<Contacts> {
-        let touched = self.touched(&shape.swept, margin);
-        let place = |piece| Body::of_piece(piece, self.pose, &touched);
-        let mut bodies: Vec<Body<'_>> = pieces(self.mesh, &touched).into_iter().filter_map(place).collect();
+    /// `margin` away, in world units. There is at least one if a face is that near. If the budget is
+    /// spent, contacts are missing.
+    pub(crate) fn contacts(&self, shape: &Faceted<'_>, margin: f64, budget: &Budget<'_>) -> Vec<Contacts> {
+        let faces = self.touched(&shape.swept, margin);
+        let touched = Touched::new(self.mesh, self.pose, &faces);
+        let place = |piece| Body::of_piece(piece, &touched);
+        let mut bodies: Vec<Body<'_>> = pieces(self.mesh, &faces, budget).into_iter().filter_map(place).collect();
         let mut set = [Body::Convex(*shape)];
         let mut found = Vec::new();
         for (number, body) in bodies.iter_mut().enumerate() {
+            if budget.is_spent() {
+                break;
+            }
             if let Some(contacts) =
                 contacts_of_bodies(body, &mut set[0], margin).filter(|found| found.deepest() >= -margin)
             {
                 found.push(Found { contacts, bodies: [number, 0] });
             }
         }
-        if found.is_empty() {
-            return self.deepest_of_faces(shape, margin, &touched).into_iter().collect();
+        if found.is_empty() && budget.stopped().is_none() {
+            return self.deepest_of_faces(shape, margin, &faces).into_iter().collect();
         }
         let [min, max] = shape.swept.world_bounds();
         unresolved(found, [&bodies, &set], NO_DEPTH * length(&sub(&max, &min)))

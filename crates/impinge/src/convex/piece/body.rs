@@ -8,12 +8,12 @@
 //! tried.
 
 use super::polytope::{Polytope, named};
+use super::touched::Touched;
 use super::{OrientedFace, Piece};
 use crate::convex::manifold::{Contacts, Faceted, contacts, contacts_along};
 use crate::convex::posed::to_unit_length;
 use crate::math::Pose;
 use crate::math::vec3::{cross, dot, length, sub};
-use crate::primitive::closest_on_triangle;
 
 /// Maximum number of times that a piece grows for one contact. Shapes that are deep in a fine mesh
 /// need more; they get the normal of one of the piece's faces.
@@ -38,22 +38,21 @@ pub(crate) enum Body<'b> {
 pub(crate) struct PlacedPiece<'b> {
     piece: Piece<'b>,
     polytope: Polytope,
-    pose: &'b Pose,
-    /// All faces of the surface that may be touched.
-    touched: &'b [OrientedFace],
+    /// All faces of the surface that may be touched, in the world.
+    touched: &'b Touched<'b>,
 }
 
 impl<'b> Body<'b> {
     /// Places a piece. Returns `None` if it has no hull.
-    pub(crate) fn of_piece(piece: Piece<'b>, pose: &'b Pose, touched: &'b [OrientedFace]) -> Option<Self> {
+    pub(crate) fn of_piece(piece: Piece<'b>, touched: &'b Touched<'b>) -> Option<Self> {
         let polytope = Polytope::of(&piece)?;
-        Some(Self::Piece(Box::new(PlacedPiece { piece, polytope, pose, touched })))
+        Some(Self::Piece(Box::new(PlacedPiece { piece, polytope, touched })))
     }
 
     pub(super) fn faceted(&self) -> Faceted<'_> {
         match self {
             Self::Convex(shape) => *shape,
-            Self::Piece(placed) => placed.polytope.faceted(placed.pose),
+            Self::Piece(placed) => placed.polytope.faceted(placed.touched.pose()),
         }
     }
 
@@ -89,16 +88,16 @@ impl<'b> Body<'b> {
 impl PlacedPiece<'_> {
     /// Returns the normals of the planes of faces, of length 1 in the world frame.
     fn face_normals(&self) -> Vec<[f64; 3]> {
-        let [x, y, z] = *self.pose.linear();
+        let [x, y, z] = *self.touched.pose().linear();
         let rows = [cross(&y, &z), cross(&z, &x), cross(&x, &y)];
-        let sign = if self.pose.mirrors() { -1.0 } else { 1.0 };
+        let sign = if self.touched.pose().mirrors() { -1.0 } else { 1.0 };
         let world = |normal: &[f64; 3]| to_unit_length(rows.each_ref().map(|row| sign * dot(row, normal)));
         self.piece.planes.iter().filter(|plane| plane.is_of_face).map(|plane| world(&plane.normal)).collect()
     }
 
     /// Returns a direction of the world as a covector of the mesh's frame.
     fn turned(&self, direction: &[f64; 3]) -> [f64; 3] {
-        let linear = self.pose.linear();
+        let linear = self.touched.pose().linear();
         std::array::from_fn(|j| (0..3).map(|k| linear[k][j] * direction[k]).sum())
     }
 
@@ -139,30 +138,19 @@ impl PlacedPiece<'_> {
         if self.face_normals().iter().any(|normal| dot(normal, direction) >= SAME_DIRECTION_COSINE) {
             return blocked;
         }
-        for face in self.touched {
-            let corners = self.piece.mesh.corners(face.face).map(|corner| self.pose.apply(corner));
-            let size = (0..3).map(|k| (corners[1][k] - corners[0][k]).abs() + (corners[2][k] - corners[0][k]).abs());
-            let near = size.sum::<f64>() * NEAR_FACE;
-            for (point, is_blocked) in points.iter().zip(&mut blocked) {
-                let rises = corners.iter().any(|corner| dot(direction, &sub(corner, point)) > near);
-                if rises && closest_on_triangle(point, &corners).distance <= near && !self.piece.has(face.face) {
-                    *is_blocked = true;
-                }
-            }
+        for (point, is_blocked) in points.iter().zip(&mut blocked) {
+            *is_blocked = self.touched.rises_from(point, direction, |face| !self.piece.has(face));
         }
         blocked
     }
 
     fn rename(&self, contacts: &mut Contacts, side: usize) {
         for contact in &mut contacts.contacts {
-            let point = local(self.pose, &contact.points[side]);
+            let point = local(self.touched.pose(), &contact.points[side]);
             contact.features[side] = named(self.piece.mesh, contact.features[side], &point);
         }
     }
 }
-
-/// Distance from a face, relative to its size, up to which a point counts as on it: 2^-24.
-const NEAR_FACE: f64 = 1.0 / (1 << 24) as f64;
 
 impl Piece<'_> {
     fn has(&self, face: u32) -> bool {

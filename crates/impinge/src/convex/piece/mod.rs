@@ -16,13 +16,16 @@
 mod body;
 mod polytope;
 mod resolve;
+mod touched;
 
+use crate::budget::Budget;
 use crate::math::vec3::{cross, dot, sub};
 use crate::mesh::{Across, Mesh, Positions};
 
 use super::posed::to_unit_length;
 pub(crate) use body::{Body, contacts_of_bodies};
 pub(crate) use resolve::{Found, unresolved};
+pub(crate) use touched::Touched;
 
 /// Maximum number of planes of a piece. A surface with more of them in one touched region is cut
 /// into several pieces. More planes make each added face cost more.
@@ -173,20 +176,28 @@ fn beyond(mesh: &Mesh, of: OrientedFace) -> [Beyond; 3] {
     })
 }
 
-/// One bit for each face of a mesh.
-struct Marks(Vec<u64>);
+/// Some faces of a mesh, and for each whether it is in a piece already, and flipped there.
+struct Listed {
+    faces: Vec<u32>,
+    is_taken: Vec<bool>,
+    is_flipped: Vec<bool>,
+}
 
-impl Marks {
-    fn new(len: usize) -> Self {
-        Self(vec![0; len.div_ceil(64)])
+impl Listed {
+    fn new(seeds: &[OrientedFace]) -> Self {
+        let mut faces: Vec<u32> = seeds.iter().map(|seed| seed.face).collect();
+        faces.sort_unstable();
+        let none = vec![false; faces.len()];
+        Self { faces, is_taken: none.clone(), is_flipped: none }
     }
 
-    fn has(&self, face: u32) -> bool {
-        self.0[face as usize / 64] >> (face % 64) & 1 == 1
+    fn find(&self, face: u32) -> Option<usize> {
+        self.faces.binary_search(&face).ok()
     }
 
-    fn set(&mut self, face: u32) {
-        self.0[face as usize / 64] |= 1 << (face % 64);
+    /// Returns whether the face is flipped in its piece, or `None` if it is in no piece.
+    fn flipped_in_piece(&self, face: u32) -> Option<bool> {
+        self.find(face).filter(|&at| self.is_taken[at]).map(|at| self.is_flipped[at])
     }
 }
 
@@ -196,44 +207,44 @@ impl Marks {
 ///
 /// # Complexity
 /// O(n) for n faces in a few planes. A face in a new plane takes linear time in its piece, whose
-/// number of planes is limited.
-pub(crate) fn pieces<'m>(mesh: &'m Mesh, seeds: &[OrientedFace]) -> Vec<Piece<'m>> {
-    let count = mesh.faces().len();
-    let (mut listed, mut taken, mut flipped) = (Marks::new(count), Marks::new(count), Marks::new(count));
-    seeds.iter().for_each(|seed| listed.set(seed.face));
+/// number of planes is limited. If the budget is spent, pieces are missing.
+pub(crate) fn pieces<'m>(mesh: &'m Mesh, seeds: &[OrientedFace], budget: &Budget<'_>) -> Vec<Piece<'m>> {
+    /// Number of faces between two looks at the budget: about 100 microseconds.
+    const FACES_PER_LOOK: usize = 64;
+    let mut listed = Listed::new(seeds);
     let slack = slack(mesh, seeds);
     let mut found = Vec::new();
     for &given in seeds {
-        if taken.has(given.face) {
-            continue;
+        let Some(at) = listed.find(given.face).filter(|&at| !listed.is_taken[at]) else { continue };
+        if budget.is_spent() {
+            break;
         }
         let mut seed = given;
         for beyond in beyond(mesh, given) {
             if let Beyond::Face(other) = beyond
-                && taken.has(other.face)
+                && let Some(is_flipped) = listed.flipped_in_piece(other.face)
             {
-                seed.is_flipped = given.is_flipped != (other.is_flipped != flipped.has(other.face));
+                seed.is_flipped = given.is_flipped != (other.is_flipped != is_flipped);
                 break;
             }
         }
         let mut piece = Piece { mesh, faces: vec![], planes: vec![], plane_of: vec![], corners: vec![], slack };
-        taken.set(seed.face);
+        (listed.is_taken[at], listed.is_flipped[at]) = (true, seed.is_flipped);
         if !piece.add(seed) {
             continue;
         }
         let mut next = 0;
         while let Some(&face) = piece.faces.get(next) {
             next += 1;
-            if face.is_flipped {
-                flipped.set(face.face);
+            if next % FACES_PER_LOOK == 0 && budget.is_spent() {
+                break;
             }
             for beyond in beyond(mesh, face) {
                 if let Beyond::Face(other) = beyond
-                    && listed.has(other.face)
-                    && !taken.has(other.face)
+                    && let Some(at) = listed.find(other.face).filter(|&at| !listed.is_taken[at])
                     && piece.add(other)
                 {
-                    taken.set(other.face);
+                    (listed.is_taken[at], listed.is_flipped[at]) = (true, other.is_flipped);
                 }
             }
         }

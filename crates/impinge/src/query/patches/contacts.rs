@@ -10,7 +10,7 @@ use super::near::{Group, groups_within};
 use super::{ContactPatch, PairCrossing, Region, regions_of};
 use crate::budget::Budget;
 use crate::convex::{
-    Body, Contact, Contacts, Feature, Found, OrientedFace, Surface, contacts_of_bodies, pieces, unresolved,
+    Body, Contact, Contacts, Feature, Found, OrientedFace, Surface, Touched, contacts_of_bodies, pieces, unresolved,
 };
 use crate::exact;
 use crate::math::vec3::{length, sub};
@@ -63,12 +63,13 @@ fn of_pieces(
     budget: &Budget<'_>,
 ) -> Vec<Contacts> {
     let faces = [0, 1].map(|side| faces_of(placed[side], of_faces.iter().map(|pair| pair[side]), &inside[side]));
+    let touched = [0, 1].map(|side| Touched::new(placed[side].mesh, &placed[side].world_from_mesh, &faces[side]));
     let mut piece_of: [HashMap<u32, usize>; 2] = Default::default();
     let mut bodies: [Vec<Body<'_>>; 2] = Default::default();
     for side in 0..2 {
-        for piece in pieces(placed[side].mesh, &faces[side]) {
+        for piece in pieces(placed[side].mesh, &faces[side], budget) {
             let members: Vec<u32> = piece.faces().collect();
-            if let Some(body) = Body::of_piece(piece, &placed[side].world_from_mesh, &faces[side]) {
+            if let Some(body) = Body::of_piece(piece, &touched[side]) {
                 piece_of[side].extend(members.into_iter().map(|face| (face, bodies[side].len())));
                 bodies[side].push(body);
             }

@@ -14,6 +14,7 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::PairCrossing;
+use crate::budget::Budget;
 use crate::exact::{Corners, Crossing, Feature, Joint, Placement, PosedPoint, Spot};
 use crate::math::vec3::sub;
 use crate::mesh::{Containment, Mesh, PlacedMesh, PointClassifier};
@@ -39,7 +40,13 @@ pub(super) struct Interior<'m> {
 impl<'m> Interior<'m> {
     /// Finds the vertices at the curves that are inside: of the first mesh in the second if `side`
     /// is 0, and of the second in the first if it is 1. `crossings` must be all intersecting pairs.
-    pub(super) fn new(placed: [PlacedMesh<'m>; 2], crossings: &[PairCrossing], side: usize) -> Self {
+    /// If the budget is spent, vertices are missing.
+    pub(super) fn new(
+        placed: [PlacedMesh<'m>; 2],
+        crossings: &[PairCrossing],
+        side: usize,
+        budget: &Budget<'_>,
+    ) -> Self {
         let (own, other) = (placed[side], placed[1 - side]);
         let mesh = own.mesh;
         let mut is_touched = vec![false; mesh.faces().len()];
@@ -47,6 +54,9 @@ impl<'m> Interior<'m> {
         let placement = Placement::new(&other.world_from_mesh, &own.world_from_mesh);
         let groups = groups(mesh, touched_edges(mesh, other.mesh, crossings, side));
         let is_inside = |classifier: &mut PointClassifier<'_>, group: &Vec<u32>| {
+            if budget.is_spent() {
+                return false;
+            }
             let spot = Spot::At(mesh.positions().get(group[0] as usize));
             classifier.containment(&PosedPoint::new(&placement, spot)) == Containment::Inside
         };

@@ -114,7 +114,7 @@ fn regions_of(placed: [PlacedMesh<'_>; 2], budget: &Budget<'_>) -> Vec<Region> {
     if budget.stopped().is_some() {
         return Vec::new();
     }
-    let mut sides = [0, 1].map(|side| Interior::new(placed, &all, side));
+    let mut sides = [0, 1].map(|side| Interior::new(placed, &all, side, budget));
     let regions = connected(all, |crossing| crossing.pair).into_iter().take_while(|_| !budget.is_spent());
     regions.map(|crossings| region(placed, &mut sides, crossings, budget)).collect()
 }

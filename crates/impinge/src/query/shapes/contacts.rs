@@ -155,11 +155,11 @@ fn contacts_of_parts(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Bud
         (Form::Convex(swept), Form::HalfSpace(plane)) => vec![plane.contacts(&a.faceted(swept), margin).swapped()],
         (Form::HalfSpace(a), Form::HalfSpace(b)) => vec![a.contact_of_half_spaces(&b)],
         (Form::Surface(surface), Form::Convex(swept)) => {
-            let found = surface.contacts(&b.faceted(swept), margin);
+            let found = surface.contacts(&b.faceted(swept), margin, budget);
             if found.is_empty() { of_contained(a, b, budget) } else { found }
         }
         (Form::Convex(swept), Form::Surface(surface)) => {
-            let found = surface.contacts(&a.faceted(swept), margin);
+            let found = surface.contacts(&a.faceted(swept), margin, budget);
             if found.is_empty() {
                 return of_contained(a, b, budget);
             }
