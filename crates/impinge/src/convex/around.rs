@@ -32,15 +32,28 @@ pub(super) fn certainly_intersect(pair: &Pair<'_>, simplex: &[Difference]) -> bo
     false
 }
 
+/// Reports whether the first polytope about the origin contains it with a margin above the error of
+/// the differences. Then the cores have a common point.
+pub(super) fn polytope_holds_origin(pair: &Pair<'_>, simplex: &[Difference]) -> bool {
+    around_simplex(pair, simplex)
+        .and_then(|mut polytope| polytope.nearest())
+        .is_some_and(|nearest| nearest.lower > pair.point_error())
+}
+
 /// Builds a polytope about the origin from the simplex that the distance computation left. Returns
 /// `None` if no polytope with the origin well inside is found.
 pub(super) fn about_origin(pair: &Pair<'_>, simplex: &[Difference]) -> Option<Polytope> {
-    let around = match counting(simplex)[..] {
+    around_simplex(pair, simplex).or_else(|| hull_of_more(pair, simplex))
+}
+
+/// Builds a polytope about the origin from the corners that count in a simplex, and a few points on
+/// either side of them.
+fn around_simplex(pair: &Pair<'_>, simplex: &[Difference]) -> Option<Polytope> {
+    match counting(simplex)[..] {
         [p, q] => around_edge(pair, p, q),
         [p, q, r] => around_face(pair, p, q, r),
         ref corners => Polytope::about_origin(corners),
-    };
-    around.or_else(|| hull_of_more(pair, simplex))
+    }
 }
 
 /// Returns the corners whose weight in the origin is at least [`MIN_WEIGHT`].

@@ -5,7 +5,7 @@
 //! exact least distance takes over. For other cores the answer may be
 //! undecided.
 
-use super::around::certainly_intersect;
+use super::around::{certainly_intersect, polytope_holds_origin};
 use super::closed;
 use super::facet::Facet;
 use super::gjk::{Gap, gap, gap_until, means};
@@ -50,19 +50,54 @@ fn separation_in_order(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
     closed::separation(a, b).unwrap_or_else(|| separation_by_iteration(a, b))
 }
 
+/// Returns the same as [`separation`], or `None` if the distance is proved to be above `limit`, in
+/// world units. The proof starts from `known`, the state of the last query, and mostly takes fewer
+/// steps than the distance.
+pub(super) fn separation_within(a: &Swept<'_>, b: &Swept<'_>, limit: f64, known: &mut Coherence) -> Option<Separation> {
+    let is_turned = !a.is_before(b);
+    let [first, second] = if is_turned { [b, a] } else { [a, b] };
+    let mut found = match closed::separation(first, second) {
+        Some(found) => found,
+        None => {
+            let pair = Pair::new(first, second);
+            let reach = above(above(first.radius[1] + second.radius[1]) + limit);
+            let gap = known.used(&pair, is_turned, |known| {
+                if known.prove_apart(&pair, reach) {
+                    return None;
+                }
+                let is_far = |gap: &Gap| world_bounds(gap, &pair)[0] > reach;
+                let gap = gap_until(&pair, is_far);
+                known.keep(&gap);
+                (!is_far(&gap)).then_some(gap)
+            })?;
+            separation_from(first, second, &pair, gap)
+        }
+    };
+    if is_turned {
+        found.points.swap(0, 1);
+    }
+    Some(found)
+}
+
 /// Returns the same as [`separation`], for shapes in order, without closed forms.
 pub(super) fn separation_by_iteration(a: &Swept<'_>, b: &Swept<'_>) -> Separation {
     let pair = Pair::new(a, b);
-    let (mut gap, mut exact) = (gap(&pair), None);
-    if gap.upper - gap.lower > EXACT_DISTANCE_WIDTH * gap.upper && !holds_origin(&pair, &gap) {
-        exact = least_distance(&pair, &gap.simplex);
+    let gap = gap(&pair);
+    separation_from(a, b, &pair, gap)
+}
+
+/// Returns the same as [`separation`], from the complete iteration in floats.
+fn separation_from(a: &Swept<'_>, b: &Swept<'_>, pair: &Pair<'_>, mut gap: Gap) -> Separation {
+    let mut exact = None;
+    if gap.upper - gap.lower > EXACT_DISTANCE_WIDTH * gap.upper && !intersects_by_floats(pair, &gap) {
+        exact = least_distance(pair, &gap.simplex);
         if let Some(least) = &exact {
             [gap.lower, gap.upper] = least.bounds(pair.unit);
             gap.points = means(&least.simplex, &least.weights);
         }
     }
-    let proximity = classify(&pair, [a.radius, b.radius], &gap, exact, 0.0);
-    let [lower, upper] = world_bounds(&gap, &pair);
+    let proximity = classify(pair, [a.radius, b.radius], &gap, exact, 0.0);
+    let [lower, upper] = world_bounds(&gap, pair);
     let sum = |end: usize| a.radius[end] + b.radius[end];
     let [lower, upper] = [below(lower - above(sum(1))).max(0.0), above(upper - below(sum(0))).max(0.0)];
     let [lower, upper] = match proximity {
@@ -96,8 +131,37 @@ pub(crate) struct Coherence {
 }
 
 impl Coherence {
-    fn turned(self) -> Self {
-        Self { direction: self.direction.map(|x| 0.0 - x), vertices: [self.vertices[1], self.vertices[0]] }
+    /// Answers a query with the state, which is for the two shapes in the order in which they were
+    /// named; `is_turned` says whether the pair has the other order.
+    fn used<T>(&mut self, pair: &Pair<'_>, is_turned: bool, query: impl FnOnce(&mut Self) -> T) -> T {
+        let turned = |state: Self| {
+            let direction = state.direction.map(|x| 0.0 - x);
+            if is_turned { Self { direction, vertices: [state.vertices[1], state.vertices[0]] } } else { state }
+        };
+        let mut state = turned(*self);
+        pair.start_at(state.vertices);
+        let answer = query(&mut state);
+        state.vertices = pair.vertices();
+        *self = turned(state);
+        answer
+    }
+
+    /// Keeps the direction that proves a gap, if there is one.
+    fn keep(&mut self, gap: &Gap) {
+        self.direction = if gap.lower > 0.0 { gap.direction } else { [0.0; 3] };
+    }
+
+    /// Reports whether a gap along the known direction, clearly larger than `reach`, proves the
+    /// cores farther apart than that, in world units.
+    fn prove_apart(&self, pair: &Pair<'_>, reach: f64) -> bool {
+        /// Minimum gap along the last direction, relative to the sizes, that decides the query:
+        /// 2^-20.
+        const MIN_DECISIVE_GAP: f64 = 1.0 / (1 << 20) as f64;
+        self.direction != [0.0; 3] && {
+            let farthest = pair.support(self.direction);
+            let lower = super::gjk::separation(pair, self.direction, &farthest);
+            (lower - MIN_DECISIVE_GAP * (1.0 + lower)) * pair.unit > reach
+        }
     }
 }
 
@@ -105,36 +169,20 @@ impl Coherence {
 /// gap along the last direction proves the shapes apart. Otherwise the full iteration runs. It
 /// would find a large gap too, so no answer depends on `known`.
 pub(crate) fn nearness_from(a: &Swept<'_>, b: &Swept<'_>, clearance: f64, known: &mut Coherence) -> Proximity {
-    /// Minimum gap along the last direction, relative to the sizes, that decides the query: 2^-20.
-    const MIN_DECISIVE_GAP: f64 = 1.0 / (1 << 20) as f64;
     let is_turned = !a.is_before(b);
     let [first, second] = if is_turned { [b, a] } else { [a, b] };
     if let Some(answer) = closed::nearness(first, second, clearance) {
         return answer;
     }
-    let pair = Pair::new(first, second);
-    if is_turned {
-        *known = known.turned();
-    }
-    pair.start_at(known.vertices);
-    let radii = above(first.radius[1] + second.radius[1] + clearance);
-    let is_apart = known.direction != [0.0; 3] && {
-        let farthest = pair.support(known.direction);
-        let lower = super::gjk::separation(&pair, known.direction, &farthest);
-        (lower - MIN_DECISIVE_GAP * (1.0 + lower)) * pair.unit > radii
-    };
-    let answer = if is_apart {
-        Proximity::Apart
-    } else {
-        let gap = gap(&pair);
-        known.direction = if gap.lower > 0.0 { gap.direction } else { [0.0; 3] };
-        classify(&pair, [first.radius, second.radius], &gap, None, clearance)
-    };
-    known.vertices = pair.vertices();
-    if is_turned {
-        *known = known.turned();
-    }
-    answer
+    let (pair, radii) = (Pair::new(first, second), [first.radius, second.radius]);
+    known.used(&pair, is_turned, |known| {
+        if known.prove_apart(&pair, above(first.radius[1] + second.radius[1] + clearance)) {
+            return Proximity::Apart;
+        }
+        let gap = gap_until(&pair, |gap| by_bounds(&pair, radii, gap, clearance).is_some());
+        known.keep(&gap);
+        classify(&pair, radii, &gap, None, clearance)
+    })
 }
 
 /// Classifies the shapes as within `clearance` of each other or not, from the bounds on their
@@ -150,7 +198,7 @@ fn classify(
         if let Some(found) = by_bounds(pair, [a, b], gap, clearance) {
             return found;
         }
-        if holds_origin(pair, gap) {
+        if intersects_by_floats(pair, gap) {
             return Proximity::Intersects;
         }
     }
@@ -185,8 +233,14 @@ fn by_bounds(pair: &Pair<'_>, [a, b]: [[f64; 2]; 2], gap: &Gap, clearance: f64) 
     }
 }
 
-/// Reports whether the cores certainly have a common point. This is proved if a tetrahedron of
-/// differences contains the origin with a margin above the error of the differences.
+/// Reports whether floats prove that the cores have a common point: by the simplex that the
+/// iteration left, or by a few points around it.
+fn intersects_by_floats(pair: &Pair<'_>, gap: &Gap) -> bool {
+    gap.lower == 0.0 && (holds_origin(pair, gap) || polytope_holds_origin(pair, &gap.simplex))
+}
+
+/// Reports whether a tetrahedron of differences contains the origin with a margin above the error
+/// of the differences. Then the cores have a common point.
 fn holds_origin(pair: &Pair<'_>, gap: &Gap) -> bool {
     let [p, q, r, s] = match gap.simplex[..] {
         [p, q, r, s] => [p.vector, q.vector, r.vector, s.vector],
@@ -226,3 +280,6 @@ fn on_surfaces([p, q]: [[f64; 3]; 2], radius: [f64; 2]) -> [[f64; 3]; 2] {
         [along(0.5 * (from_a + from_b)); 2]
     }
 }
+
+#[cfg(test)]
+mod tests;

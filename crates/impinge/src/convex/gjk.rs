@@ -15,7 +15,7 @@
 
 use super::posed::{Difference, Pair, to_unit_entries};
 use super::simplex::Simplex;
-use crate::math::vec3::{dot, length, scaled_length};
+use crate::math::vec3::{dot, length, scaled_length, sub};
 
 /// Maximum number of steps. Polytopes of thousands of vertices take 10 to 20. Cylinders and similar
 /// shapes converge by a constant factor a step, and their interval is about 2^-40 wide after 64
@@ -56,8 +56,7 @@ pub(super) fn gap(pair: &Pair<'_>) -> Gap {
 /// they become.
 #[inline(always)]
 pub(super) fn gap_until(pair: &Pair<'_>, enough: impl Fn(&Gap) -> bool) -> Gap {
-    let towards_b: [f64; 3] = std::array::from_fn(|k| pair.b.spot([0.0; 3]).point[k] - pair.a.spot([0.0; 3]).point[k]);
-    let mut direction = to_unit_entries(towards_b);
+    let mut direction = first_direction(pair);
     let mut simplex = Simplex::EMPTY;
     let mut gap = Gap { lower: 0.0, direction, upper: f64::INFINITY, points: [[0.0; 3]; 2], simplex };
     for _ in 0..MAX_STEPS {
@@ -84,6 +83,15 @@ pub(super) fn gap_until(pair: &Pair<'_>, enough: impl Fn(&Gap) -> bool) -> Gap {
         }
     }
     gap
+}
+
+/// Returns a direction from the middle of the first core to the middle of the second, or the first
+/// axis if they are at one place. Along an axis, shapes about one place that are placed by hand
+/// have opposite points, which a symmetric polytope can be built on.
+fn first_direction(pair: &Pair<'_>) -> [f64; 3] {
+    let [a, b] = [&pair.a, &pair.b].map(|set| set.spot(set.core().middle()).point);
+    let towards_b = to_unit_entries(sub(&b, &a));
+    if towards_b == [0.0; 3] { [1.0, 0.0, 0.0] } else { towards_b }
 }
 
 /// Returns the weighted means of the differences' points of A and of B.

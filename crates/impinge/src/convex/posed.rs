@@ -111,23 +111,24 @@ impl Core<'_> {
         }
     }
 
+    /// Returns a point near the middle of the core, in its own frame: the mean of at most eight
+    /// corners, or the center of the frame of any other core.
+    pub(super) fn middle(&self) -> [f64; 3] {
+        match self {
+            Self::Points(points) => mean(points),
+            Self::Hull(hull) => mean(hull.positions()),
+            Self::Cuboid(_) | Self::Turned(_) | Self::Curved(_) => [0.0; 3],
+        }
+    }
+
     /// Returns a farthest point along a direction whose greatest entry is ±1, both in the core's
     /// own frame, and its vertex if the core is a hull. The climb over a hull starts at `vertex`.
     #[inline]
     pub(crate) fn farthest(&self, along: [f64; 3], vertex: u32) -> ([f64; 3], u32) {
         match self {
-            Self::Points(points) | Self::Cuboid(points) => {
-                let mut best = (f64::NEG_INFINITY, [0.0; 3]);
-                for point in *points {
-                    let found = dot(&along, point);
-                    if found > best.0 {
-                        best = (found, *point);
-                    }
-                }
-                (best.1, 0)
-            }
+            Self::Points(points) | Self::Cuboid(points) => (farthest_of(points, along).1, 0),
             Self::Hull(hull) => {
-                let vertex = hull.support_from(along, vertex);
+                let vertex = farthest_vertex(hull, along, vertex);
                 (hull.positions()[vertex as usize], vertex)
             }
             Self::Turned(set) => (set.support(along), 0),
@@ -146,6 +147,35 @@ impl Core<'_> {
             Self::Turned(_) | Self::Curved(_) => None,
         }
     }
+}
+
+/// Returns the first of the points that are farthest along a direction, up to rounding, and its
+/// number. Without points, or with a direction that is not finite, it is a point at the origin.
+fn farthest_of(points: &[[f64; 3]], along: [f64; 3]) -> (u32, [f64; 3]) {
+    let mut best = (f64::NEG_INFINITY, 0, [0.0; 3]);
+    for (number, point) in (0..).zip(points) {
+        let found = dot(&along, point);
+        if found > best.0 {
+            best = (found, number, *point);
+        }
+    }
+    (best.1, best.2)
+}
+
+/// Returns a vertex of a hull that is farthest along a direction, up to rounding. It does not
+/// depend on `start`, where the climb over a large hull starts.
+fn farthest_vertex(hull: &Hull, along: [f64; 3], start: u32) -> u32 {
+    /// Maximum number of vertices that are all compared, which takes less time than a climb.
+    const MAX_SCANNED: usize = 48;
+    let positions = hull.positions();
+    if positions.len() <= MAX_SCANNED { farthest_of(positions, along).0 } else { hull.support_from(along, start) }
+}
+
+/// Returns the mean of the first eight points, or zero if there are no points.
+fn mean(points: &[[f64; 3]]) -> [f64; 3] {
+    let points = &points[..points.len().min(8)];
+    let share = 1.0 / points.len().max(1) as f64;
+    points.iter().fold([0.0; 3], |sum, point| std::array::from_fn(|k| sum[k] + share * point[k]))
 }
 
 impl Swept<'_> {
@@ -277,7 +307,7 @@ impl Posed<'_> {
     /// for any other core.
     pub(super) fn farthest_vertex(&self, direction: [f64; 3]) -> u32 {
         match self.core {
-            Core::Hull(hull) => hull.support_from(self.turned(direction), self.vertex.get()),
+            Core::Hull(hull) => farthest_vertex(hull, self.turned(direction), self.vertex.get()),
             _ => 0,
         }
     }

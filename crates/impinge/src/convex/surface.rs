@@ -10,7 +10,7 @@
 use std::cell::Cell;
 use std::ops::ControlFlow::{self, Break, Continue};
 
-use super::distance::{nearness, separation};
+use super::distance::{Coherence, nearness_from, separation_within};
 use super::interval::{Separation, above, below};
 use super::posed::{Core, Pair, Swept, to_unit_length};
 use crate::exact::{Placement, PosedPoint, Spot};
@@ -43,8 +43,9 @@ impl<'a> Surface<'a> {
     /// Reports whether the mesh and a convex set are within `clearance` of each other, in world
     /// units. The clearance must be finite and not negative. `Intersects` means that they are.
     pub(crate) fn nearness(&self, shape: &Swept<'_>, clearance: f64) -> Proximity {
-        let mut search = Nearness { surface: self, shape, clearance, answer: Proximity::Apart };
-        self.search(shape, |beside| Bounded { beside, search: &mut search });
+        let mut search =
+            Nearness { surface: self, shape, clearance, answer: Proximity::Apart, known: Coherence::default() };
+        self.search(shape, &mut search);
         match search.answer {
             Proximity::Intersects => Proximity::Intersects,
             answer => match self.containment(shape) {
@@ -69,8 +70,9 @@ impl<'a> Surface<'a> {
             },
             face: u32::MAX,
             direction: None,
+            known: Coherence::default(),
         };
-        self.search(shape, |beside| Bounded { beside, search: &mut search });
+        self.search(shape, &mut search);
         let mut best = search.best;
         if best.proximity != Proximity::Intersects {
             let contained = self.containment(shape);
@@ -101,15 +103,11 @@ impl<'a> Surface<'a> {
         shape.pose.apply(shape.core.point())
     }
 
-    fn search<'s, S: Search + 's>(&self, shape: &Swept<'_>, bounded: impl FnOnce(Beside<'_>) -> Bounded<'_, 's, S>)
-    where
-        Self: 's,
-    {
+    fn search(&self, shape: &Swept<'_>, search: &mut impl Search) {
         let Some(corners) = self.mesh.local_bounds().map(corners_of_box) else { return };
         let bounds = Swept { core: Core::Points(&corners), pose: self.pose, radius: [0.0; 2] };
         let pair = Pair::new(&bounds, shape);
-        let mut search = bounded(Beside::new(&pair, shape.radius[1]));
-        self.mesh.search(&mut search);
+        self.mesh.search(&mut Bounded { mesh: self.mesh, beside: Beside::new(&pair, shape.radius[1]), search });
     }
 }
 
@@ -120,7 +118,7 @@ pub(super) fn corners_of_box(bounds: [[f64; 3]; 2]) -> [[f64; 3]; 8] {
 /// A convex set in the common frame of it and a mesh, prepared for bounds on the mesh's boxes.
 pub(super) struct Beside<'p> {
     pair: &'p Pair<'p>,
-    /// Least and greatest coordinate of the set's box on each axis, in the common frame.
+    /// Least and greatest coordinate of the set's core on each axis, in the common frame.
     bounds: [[f64; 2]; 3],
     radius: f64,
     error: f64,
@@ -135,7 +133,7 @@ impl<'p> Beside<'p> {
         let bounds = std::array::from_fn(|k| {
             let end = |sign: f64| {
                 let direction = std::array::from_fn(|j| if j == k { sign } else { 0.0 });
-                sign * (pair.b.support(direction).point[k] * sign + pair.height_error(direction) + radius)
+                sign * (pair.b.support(direction).point[k] * sign + pair.height_error(direction))
             };
             [end(-1.0), end(1.0)]
         });
@@ -151,16 +149,17 @@ impl<'p> Beside<'p> {
     }
 
     /// Returns a lower bound on the distance, in world units, between the set and a box of the
-    /// mesh's frame.
+    /// mesh's frame. It is negative if the two boxes overlap, and the more so the deeper they do: a
+    /// face in the middle of the set is found before those at its border.
     pub(super) fn bound(&self, center: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
         let at = self.pair.a.spot(*center).point;
         let linear = self.pair.a.pose().linear();
         let scale = 1.0 / self.pair.unit;
         let gaps: [f64; 3] = std::array::from_fn(|k| {
             let reach = (0..3).map(|j| linear[k][j].abs() * half_extents[j]).sum::<f64>() * scale;
-            f64::max(self.bounds[k][0] - (at[k] + reach), at[k] - reach - self.bounds[k][1]).max(0.0)
+            f64::max(self.bounds[k][0] - (at[k] + reach), at[k] - reach - self.bounds[k][1])
         });
-        let mut gap = length(&gaps);
+        let mut gap = self.gap_of_boxes(&gaps);
         if let Some((direction, lowest)) = self.plane.get() {
             let reach: f64 = (0..3)
                 .map(|j| (0..3).map(|k| linear[k][j] * direction[k]).sum::<f64>().abs() * half_extents[j])
@@ -171,6 +170,14 @@ impl<'p> Beside<'p> {
         (below(gap) - 8.0 * self.error) * self.pair.unit
     }
 
+    /// Returns the distance of the set from a box that has these gaps to the core's box along the
+    /// axes. It is negative if the boxes overlap.
+    fn gap_of_boxes(&self, gaps: &[f64; 3]) -> f64 {
+        let largest = gaps[0].max(gaps[1]).max(gaps[2]);
+        let apart = if largest > 0.0 { length(&gaps.map(|gap| gap.max(0.0))) } else { largest };
+        below(apart) - self.radius
+    }
+
     /// Returns the center of the set's box, in the common frame.
     pub(super) fn center(&self) -> [f64; 3] {
         self.bounds.map(|[least, greatest]| 0.5 * least + 0.5 * greatest)
@@ -179,12 +186,17 @@ impl<'p> Beside<'p> {
     /// Returns a lower bound on the distance, in world units, between the set and the hull of some
     /// points of the common frame.
     pub(super) fn gap_of_points(&self, points: &[[f64; 3]]) -> f64 {
-        let gap = |k: usize| {
+        let gaps = std::array::from_fn(|k| {
             let ends = |(least, greatest): (f64, f64), point: &[f64; 3]| (least.min(point[k]), greatest.max(point[k]));
             let (least, greatest) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
             f64::max(self.bounds[k][0] - greatest, least - self.bounds[k][1])
-        };
-        (below(gap(0).max(gap(1)).max(gap(2))) - 8.0 * self.error) * self.pair.unit
+        });
+        let mut gap = self.gap_of_boxes(&gaps);
+        if let Some((direction, lowest)) = self.plane.get() {
+            let height = points.iter().fold(f64::NEG_INFINITY, |height, point| height.max(dot(&direction, point)));
+            gap = gap.max(lowest - height);
+        }
+        (below(gap) - 8.0 * self.error) * self.pair.unit
     }
 }
 
@@ -194,10 +206,11 @@ trait Search {
 
     /// Processes a face. May return a direction from the mesh to the set along which other faces
     /// may be proved far.
-    fn visit(&mut self, face: u32) -> ControlFlow<(), Option<[f64; 3]>>;
+    fn visit(&mut self, face: u32, corners: &[[f64; 3]; 3]) -> ControlFlow<(), Option<[f64; 3]>>;
 }
 
 struct Bounded<'p, 's, S> {
+    mesh: &'p Mesh,
     beside: Beside<'p>,
     search: &'s mut S,
 }
@@ -212,7 +225,11 @@ impl<S: Search> FaceSearch for Bounded<'_, '_, S> {
     }
 
     fn visit(&mut self, face: u32) -> ControlFlow<()> {
-        match self.search.visit(face) {
+        let corners = self.mesh.corners(face);
+        if self.beside.gap_of_points(&corners.map(|corner| self.beside.pair.a.spot(corner).point)) > self.search.cut() {
+            return Continue(());
+        }
+        match self.search.visit(face, &corners) {
             Break(()) => Break(()),
             Continue(None) => Continue(()),
             Continue(Some(direction)) => {
@@ -228,6 +245,7 @@ struct Nearness<'a, 'q> {
     shape: &'q Swept<'q>,
     clearance: f64,
     answer: Proximity,
+    known: Coherence,
 }
 
 impl Search for Nearness<'_, '_> {
@@ -235,9 +253,8 @@ impl Search for Nearness<'_, '_> {
         self.clearance
     }
 
-    fn visit(&mut self, face: u32) -> ControlFlow<(), Option<[f64; 3]>> {
-        let corners = self.surface.mesh.corners(face);
-        match nearness(&self.surface.face(&corners), self.shape, self.clearance) {
+    fn visit(&mut self, _: u32, corners: &[[f64; 3]; 3]) -> ControlFlow<(), Option<[f64; 3]>> {
+        match nearness_from(&self.surface.face(corners), self.shape, self.clearance, &mut self.known) {
             Proximity::Intersects => {
                 self.answer = Proximity::Intersects;
                 return Break(());
@@ -255,6 +272,7 @@ struct Separating<'a, 'q> {
     best: Separation,
     face: u32,
     direction: Option<[f64; 3]>,
+    known: Coherence,
 }
 
 impl Search for Separating<'_, '_> {
@@ -262,20 +280,18 @@ impl Search for Separating<'_, '_> {
         self.best.upper
     }
 
-    fn visit(&mut self, face: u32) -> ControlFlow<(), Option<[f64; 3]>> {
-        // No face is nearer than one with a common point. Of several such faces the first counts.
-        if self.best.proximity == Proximity::Intersects && face > self.face {
+    fn visit(&mut self, face: u32, corners: &[[f64; 3]; 3]) -> ControlFlow<(), Option<[f64; 3]>> {
+        let face_set = self.surface.face(corners);
+        let Some(found) = separation_within(&face_set, self.shape, self.best.upper, &mut self.known) else {
             return Continue(None);
-        }
-        let corners = self.surface.mesh.corners(face);
-        let found = separation(&self.surface.face(&corners), self.shape);
-        let lower = self.best.lower.min(found.lower);
-        let rank = |separation: &Separation| (separation.proximity != Proximity::Intersects, separation.upper);
-        let is_better = match rank(&found).partial_cmp(&rank(&self.best)) {
-            Some(std::cmp::Ordering::Less) => true,
-            Some(std::cmp::Ordering::Equal) => face < self.face,
-            _ => false,
         };
+        if found.proximity == Proximity::Intersects {
+            // No face is nearer than one with a common point.
+            self.best = found;
+            return Break(());
+        }
+        let lower = self.best.lower.min(found.lower);
+        let is_better = found.upper < self.best.upper || (found.upper == self.best.upper && face < self.face);
         let was_undecided = self.best.proximity == Proximity::Undecided || found.proximity == Proximity::Undecided;
         if is_better {
             (self.best, self.face) = (found, face);

@@ -36,8 +36,8 @@ const SAME_DISTANCE: f64 = 1.0 / (1_u64 << 36) as f64;
 
 impl Surface<'_> {
     /// Returns the contacts of this mesh, which comes first, with a convex set that is at most
-    /// `margin` away, in world units. There is at least one if a face is that near. If the budget is
-    /// spent, contacts are missing.
+    /// `margin` away, in world units. There is at least one if a face is that near. If the budget
+    /// is spent, contacts are missing.
     pub(crate) fn contacts(&self, shape: &Faceted<'_>, margin: f64, budget: &Budget<'_>) -> Vec<Contacts> {
         let faces = self.touched(&shape.swept, margin);
         let touched = Touched::new(self.mesh, self.pose, &faces);
