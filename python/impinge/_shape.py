@@ -88,6 +88,34 @@ class Shape(_impinge.ShapeBase):
         return cls._of("capsule", ends, [real(radius, "radius")])
 
     @classmethod
+    def tapered_capsule(cls, start: ArrayLike, end: ArrayLike, radii: tuple[float, float]) -> Shape:
+        """Return a tapered capsule: the convex hull of two spheres, such as an upper arm.
+
+        If one sphere contains the other, the shape is the larger sphere.
+
+        Parameters
+        ----------
+        start, end : (3,) array_like of float32 or float64
+            Centers of the spheres, in the frame of the shape. They may be equal.
+        radii : (float, float)
+            Radii at the start and at the end, in the unit of the shape, at least zero.
+
+        Raises
+        ------
+        InputError
+            If a number is out of range.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> impinge.Shape.tapered_capsule([0, 0, 0], [0, 0, 2], [0.5, 0.25]).bounds
+        array([[-0.5 , -0.5 , -0.5 ],
+               [ 0.5 ,  0.5 ,  2.25]])
+        """
+        ends = np.concatenate([_points(start, "start", 1), _points(end, "end", 1)])
+        return cls._of("tapered_capsule", ends, _pair(radii, "radii"))
+
+    @classmethod
     def box(cls, half_extents: ArrayLike) -> Shape:
         """Return a solid box centered at the origin, aligned with the axes.
 
@@ -258,9 +286,41 @@ class Shape(_impinge.ShapeBase):
         """
         return cls._of("compound", _parts(parts), [])
 
+    def rounded(self, radius: float) -> Shape:
+        """Return the shape grown by a radius on all sides: all points within the radius of it.
+
+        Edges and corners become round, and radii of spheres and capsules add up. To keep the outer
+        size of a box, make its half-extents shorter by the radius first.
+
+        Parameters
+        ----------
+        radius : float
+            In the unit of the shape, at least zero.
+
+        Returns
+        -------
+        Shape
+            A shape of the kind ``"rounded"``, which requires a rigid pose unless the radius is zero.
+
+        Raises
+        ------
+        InputError
+            If the radius is out of range, or if the shape is a half-space, a mesh or a compound.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> die = impinge.Shape.box([0.75, 0.75, 0.75]).rounded(0.25)
+        >>> die
+        Shape.box([0.75, 0.75, 0.75]).rounded(0.25)
+        >>> die.ray_cast([5, 0, 0], [-1, 0, 0]).point.round(9)
+        array([1., 0., 0.])
+        """
+        return Shape._of("rounded", self, [real(radius, "radius")])
+
     @property
     def kind(self) -> str:
-        """Name of the constructor that made the shape, such as ``"sphere"``."""
+        """Name of the method that made the shape, such as ``"sphere"``."""
         kind = self._made_of[0]
         return "mesh" if kind == "solid" else kind
 
@@ -312,9 +372,13 @@ class Shape(_impinge.ShapeBase):
         kind, source, numbers = self._made_of
         if kind in ("mesh", "solid"):
             return f"Shape.mesh({source!r}, solid={kind == 'solid'})"
+        if kind == "rounded":
+            return f"{source!r}.rounded({numbers[0]:g})"
         if kind in ("hull", "compound"):
             return f"Shape.{kind}({len(source)} {'points' if kind == 'hull' else 'parts'})"
         values = [str(row.tolist()) for row in source] if source is not None and kind != "sphere" else []
+        if kind == "tapered_capsule":
+            return f"Shape.{kind}({', '.join([*values, str(numbers)])})"
         if kind in ("box", "ellipsoid"):
             return f"Shape.{kind}({numbers})"
         if kind == "sphere" and source.any():
@@ -358,6 +422,14 @@ def _points(value: ArrayLike, name: str, count: int | None) -> NDArray[np.float6
 def _three(value: ArrayLike, name: str) -> list[float]:
     numbers: list[float] = _points(value, name, 1)[0].tolist()
     return numbers
+
+
+def _pair(value: tuple[float, float], name: str) -> list[float]:
+    """Return two numbers as a list."""
+    numbers = value.tolist() if isinstance(value, np.ndarray) else value
+    if not isinstance(numbers, (tuple, list)) or len(numbers) != 2:
+        raise InputError("must be two numbers", kind="shape", what=name)
+    return [real(number, name) for number in numbers]
 
 
 def _parts(

@@ -15,6 +15,8 @@ UNIT = Shape.box([0.5, 0.5, 0.5])
 TORUS = impinge.Mesh(*torus())
 ROUND = [Shape.sphere(0.7), Shape.capsule([0, 0, -0.5], [0, 0.2, 0.5], 0.4), Shape.cylinder(0.6, 0.5)]
 ROUND += [Shape.cone(0.6, 0.7), Shape.ellipsoid([0.3, 0.6, 0.9])]
+ROUND += [Shape.box([0.25, 0.5, 0.125]).rounded(0.25), Shape.cone(0.5, 0.5).rounded(0.25)]
+ROUND += [Shape.tapered_capsule([0, 0, -0.5], [0, 0.2, 0.5], (0.5, 0.25))]
 FLAT = [
     UNIT,
     Shape.triangle([[0, 0, 0], [1, 0, 0], [0, 1, 1]]),
@@ -200,6 +202,7 @@ def test_shapes_pickle_and_have_a_repr(shape):
     poses = random_poses(20, 2, 8)
     assert repr(again) == repr(shape)
     assert shape.kind in repr(shape)
+    assert again.kind == shape.kind
     first, second = (impinge.distance(one, UNIT, None, poses).distance for one in (shape, again))
     assert np.array_equal(first, second)
     if shape.bounds is None:
@@ -216,6 +219,12 @@ def test_shapes_pickle_and_have_a_repr(shape):
     [
         ("negative", "radius", lambda: Shape.sphere(-1)),
         ("non-finite", "radius", lambda: Shape.capsule([0, 0, 0], [1, 0, 0], nan)),
+        ("negative", "radius", lambda: UNIT.rounded(-1)),
+        ("out-of-range", "radius", lambda: Shape.sphere(3e38).rounded(3e38)),
+        ("not-roundable", "shape", lambda: Shape.half_space([0, 0, 1]).rounded(1)),
+        ("not-roundable", "shape", lambda: Shape.mesh(TORUS).rounded(1)),
+        ("negative", "radii", lambda: Shape.tapered_capsule([0, 0, 0], [1, 0, 0], (1, -1))),
+        ("shape", "radii", lambda: Shape.tapered_capsule([0, 0, 0], [1, 0, 0], (1, 1, 1))),
         ("type", "radius", lambda: Shape.cone(1, "wide")),
         ("negative", "half_height", lambda: Shape.cylinder(-1, 1)),
         ("negative", "half_extents", lambda: Shape.box([1, -1, 1])),
@@ -262,6 +271,8 @@ def test_any_numbers_are_accepted_or_raise_an_input_error(vector, one, other):
         lambda: Shape.sphere(one, vector),
         lambda: Shape.capsule(vector, [0, 0, 0], other),
         lambda: Shape.box(vector),
+        lambda: Shape.box(vector).rounded(other),
+        lambda: Shape.tapered_capsule(vector, [0, 0, 1], (one, other)),
     ]
     makers += [
         lambda: Shape.cylinder(one, other),

@@ -36,19 +36,32 @@ pub(crate) struct WeighedShape {
 #[pymethods]
 impl ShapeBase {
     /// Makes a shape of a kind from its source and its numbers. The source is points, (k, 3), a
-    /// mesh, or a list of parts, each a shape and a pose.
+    /// mesh, a shape, or a list of parts, each a shape and a pose.
     #[new]
     fn new(kind: &str, source: &Bound<'_, PyAny>, numbers: Vec<f64>) -> PyResult<Self> {
         let py = source.py();
         let points = |name: &str| Points::read(source, name, EXPONENT).map(|points| points.rows);
+        let ends = || -> PyResult<[[f64; 3]; 2]> {
+            let end = |row: usize, name| -> PyResult<[f64; 3]> {
+                Ok(Points::read(&source.get_item(row)?, name, EXPONENT)?.rows[0])
+            };
+            Ok([end(0, "start")?, end(1, "end")?])
+        };
         let mut weight = 1;
         let made = match (kind, &numbers[..]) {
             ("sphere", &[radius]) => Shape::sphere(points("center")?[0], radius),
             ("capsule", &[radius]) => {
-                let end = |row: usize, name| -> PyResult<[f64; 3]> {
-                    Ok(Points::read(&source.get_item(row)?, name, EXPONENT)?.rows[0])
-                };
-                Shape::capsule(end(0, "start")?, end(1, "end")?, radius)
+                let [start, end] = ends()?;
+                Shape::capsule(start, end, radius)
+            }
+            ("tapered_capsule", &[at_start, at_end]) => {
+                let [start, end] = ends()?;
+                Shape::tapered_capsule(start, end, [at_start, at_end])
+            }
+            ("rounded", &[radius]) => {
+                let inner = read_shape(source, "shape", false)?;
+                weight = inner.weight;
+                inner.shape.rounded(radius)
             }
             ("box", &[x, y, z]) => Shape::cuboid([x, y, z]),
             ("lozenge", &[radius]) => {
@@ -105,12 +118,14 @@ fn refused(error: &InputError) -> Fault {
         | InputErrorKind::Negative { what, .. }
         | InputErrorKind::Empty { what } => what,
         InputErrorKind::ZeroAxis => "normal",
+        InputErrorKind::NotRoundable { .. } => "shape",
         _ => "parts",
     };
     let (argument, is_single) = match what {
         "half-extent" => ("half_extents", false),
         "half-axis" => ("half_axes", false),
         "half-height" => ("half_height", true),
+        "end radius" => ("radii", false),
         "radius" | "level" | "normal" => (what, true),
         _ => (what, false),
     };

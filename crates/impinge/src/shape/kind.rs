@@ -42,7 +42,7 @@ pub(super) enum Kind {
 /// Core of a round shape.
 #[derive(Clone, Debug)]
 pub(super) enum RoundCore {
-    Few(Corners),
+    Polytope(Corners),
     Turned(Turned),
     Curved(Arc<dyn Support>),
 }

@@ -214,14 +214,14 @@ impl PlacedShape {
 
     /// Prefetches the pointer to the corners of a polytope.
     pub(crate) fn prefetch(&self) {
-        if let Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } = &self.kind {
+        if let Kind::Polytope(corners) | Kind::Round { core: RoundCore::Polytope(corners), .. } = &self.kind {
             corners.prefetch();
         }
     }
 
     /// Prefetches a few corners. This reads the pointer to them.
     pub(crate) fn prefetch_corners(&self) {
-        if let Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } = &self.kind
+        if let Kind::Polytope(corners) | Kind::Round { core: RoundCore::Polytope(corners), .. } = &self.kind
             && let Core::Points(points) | Core::Cuboid(points) = corners.core()
         {
             points.iter().take(MAX_PREFETCHED_CORNERS).step_by(2).for_each(prefetch);
@@ -238,7 +238,7 @@ impl PlacedShape {
     pub(crate) fn form_at<'a>(&'a self, stand: &'a Stand) -> Form<'a> {
         let (pose, radius) = (&stand.world_from_local, stand.radius);
         let core = match &self.kind {
-            Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.core(),
+            Kind::Polytope(corners) | Kind::Round { core: RoundCore::Polytope(corners), .. } => corners.core(),
             Kind::Round { core: RoundCore::Turned(set), .. } => Core::Turned(set),
             Kind::Round { core: RoundCore::Curved(set), .. } => Core::Curved(&**set),
             Kind::HalfSpace { normal, level } => {
@@ -256,7 +256,7 @@ impl PlacedShape {
     /// Returns a swept core of this shape with its facets, if it is a polytope.
     pub(crate) fn faceted<'a>(&'a self, swept: Swept<'a>) -> Faceted<'a> {
         let facets = match &self.kind {
-            Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.facets(),
+            Kind::Polytope(corners) | Kind::Round { core: RoundCore::Polytope(corners), .. } => corners.facets(),
             _ => None,
         };
         Faceted { swept, facets, has_all_facets: false }

@@ -9,6 +9,8 @@ mod depths;
 mod hulls;
 mod mesh_contacts;
 mod pairs;
+mod rounded;
 mod support;
 mod surfaces;
+mod tapered;
 mod twins;
