@@ -6,9 +6,10 @@ use impinge::character::HitVolume;
 use impinge::hull::Hull;
 use impinge::shape::Shape;
 use impinge::volume::Lozenge;
-use impinge::{InputError, InputErrorKind, Pose};
+use impinge::{HeightField, InputError, InputErrorKind, Pose};
 use pyo3::prelude::*;
 
+use crate::arrays::plain_column;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::{MeshBase, mesh_of};
 use crate::points::Points;
@@ -17,6 +18,9 @@ use crate::workers;
 
 /// Exponent of the magnitude below which coordinates and lengths must be, 2^128.
 const EXPONENT: i32 = 128;
+
+/// Number of pieces that a height field counts as. A query compares only the faces that are near.
+const FIELD_WEIGHT: u64 = 64;
 
 /// Base class of `impinge.Shape`.
 #[pyclass(subclass, frozen, module = "impinge._impinge")]
@@ -87,6 +91,19 @@ impl ShapeBase {
                 weight = mesh.faces().len() as u64;
                 Ok(if kind == "solid" { Shape::solid(&mesh) } else { Shape::mesh(&mesh) })
             }
+            ("height_field", &[x, y]) => {
+                let (rows, holes): (Bound<'_, PyAny>, Bound<'_, PyAny>) = source.extract()?;
+                let (row_count, column_count): (usize, usize) = rows.getattr("shape")?.extract()?;
+                let heights = plain_column::<f32>(&rows)?;
+                let holes = if holes.is_none() { Vec::new() } else { plain_column::<bool>(&holes)? };
+                weight = FIELD_WEIGHT;
+                let made = workers::run(py, move |_| {
+                    HeightField::with_holes(row_count, column_count, [x, y], heights, |row, column| {
+                        holes.get(row * (column_count - 1) + column).copied().unwrap_or(false)
+                    })
+                })?;
+                made.map(|field| Shape::height_field(&field))
+            }
             ("compound", []) => {
                 let parts = parts_of(source)?;
                 weight = parts.iter().map(|(part, _)| part.weight).sum();
@@ -116,6 +133,7 @@ fn refused(error: &InputError) -> Fault {
         InputErrorKind::NonFinite { what, .. }
         | InputErrorKind::OutOfRange { what, .. }
         | InputErrorKind::Negative { what, .. }
+        | InputErrorKind::TooMany { what, .. }
         | InputErrorKind::Empty { what } => what,
         InputErrorKind::ZeroAxis => "normal",
         InputErrorKind::NotRoundable { .. } => "shape",
@@ -126,6 +144,7 @@ fn refused(error: &InputError) -> Fault {
         "half-axis" => ("half_axes", false),
         "half-height" => ("half_height", true),
         "end radius" => ("radii", false),
+        "cells" => ("heights", true),
         "radius" | "level" | "normal" => (what, true),
         _ => (what, false),
     };

@@ -10,7 +10,7 @@ use crate::hull::Hull;
 use crate::input::{InputError, InputErrorKind};
 use crate::math::dyadic::{self, Dyadic};
 use crate::math::{Pose, Sign};
-use crate::mesh::{Mesh, SolidMesh};
+use crate::mesh::{HeightField, Mesh, SolidMesh};
 
 /// Coordinates and lengths must be below this magnitude, 2^128. The proofs hold below it, as for
 /// meshes.
@@ -233,6 +233,19 @@ impl Shape {
         Self(Kind::Mesh { mesh: mesh.clone(), is_solid: true })
     }
 
+    /// Returns the surface of a height field as a shape, in the frame of the field. All shapes made
+    /// of a field share its memory.
+    ///
+    /// Queries answer as for the mesh of the same triangles. Contacts, and queries about a mesh or
+    /// another field, make a mesh of the triangles that are near. Only [`penetration`] differs: it
+    /// takes a mesh as a solid, but a height field has no inside.
+    ///
+    /// [`penetration`]: crate::query::penetration()
+    #[must_use]
+    pub fn height_field(field: &HeightField) -> Self {
+        Self(Kind::Field(field.clone()))
+    }
+
     /// Returns the mesh that the shape is made of, and whether it is solid. Returns `None` for any
     /// other shape.
     #[must_use]
@@ -324,6 +337,12 @@ impl From<&Mesh> for Shape {
     /// Returns the surface of the mesh.
     fn from(mesh: &Mesh) -> Self {
         Self::mesh(mesh)
+    }
+}
+
+impl From<&HeightField> for Shape {
+    fn from(field: &HeightField) -> Self {
+        Self::height_field(field)
     }
 }
 

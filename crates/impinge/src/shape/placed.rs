@@ -116,9 +116,10 @@ impl Shape {
 }
 
 impl Shape {
-    /// Reports whether the shape accepts every pose: it is a polytope, a half-space or a mesh.
+    /// Reports whether the shape accepts every pose: it is a polytope, a half-space, a
+    /// height field or a mesh.
     pub(crate) fn is_affine(&self) -> bool {
-        matches!(&self.0, Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. })
+        matches!(&self.0, Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Field(_) | Kind::Mesh { .. })
     }
 
     /// Checks whether the shape accepts a pose, without placing it.
@@ -127,7 +128,7 @@ impl Shape {
     /// As for [`at`](Self::at).
     pub(crate) fn check_pose(&self, world_from_local: &Pose) -> Result<(), InputError> {
         match &self.0 {
-            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. } => Ok(()),
+            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Field(_) | Kind::Mesh { .. } => Ok(()),
             Kind::Round { radius, .. } => images_of_radius(*radius, world_from_local).map(drop),
             Kind::Compound(parts) => parts.iter().try_for_each(|(part, compound_from_part)| {
                 part.check_pose(&world_from_local.compose(compound_from_part)?)
@@ -172,7 +173,9 @@ impl PlacedShape {
             Kind::Mesh { mesh, is_solid } => {
                 Some(PlacedMesh { mesh, world_from_mesh: part.stand.world_from_local, is_solid: *is_solid })
             }
-            Kind::Polytope(_) | Kind::Round { .. } | Kind::HalfSpace { .. } | Kind::Compound(_) => None,
+            Kind::Polytope(_) | Kind::Round { .. } | Kind::HalfSpace { .. } | Kind::Field(_) | Kind::Compound(_) => {
+                None
+            }
         }
     }
 
@@ -194,11 +197,12 @@ impl PlacedShape {
         match &self.kind {
             Kind::Compound(_) => return Ok(None),
             Kind::Round { radius, .. } => stand.radius = images_of_radius(*radius, world_from_local)?,
-            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. } => {}
+            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Field(_) | Kind::Mesh { .. } => {}
         }
         stand.bounds = match self.form_at(&stand) {
             Form::Convex(swept) => Bounds::Box(swept.world_bounds()),
             Form::Surface(surface) => Bounds::of(surface.world_bounds()),
+            Form::Field(field) => Bounds::of(field.world_bounds()),
             Form::HalfSpace(plane) => {
                 let (direction, _, level) = plane.rounded();
                 Bounds::Plane(direction, level)
@@ -248,6 +252,7 @@ impl PlacedShape {
                 });
             }
             Kind::Mesh { mesh, is_solid } => return Form::Surface(Surface { mesh, pose, is_solid: *is_solid }),
+            Kind::Field(field) => return Form::Field(Surface { mesh: field, pose, is_solid: false }),
             Kind::Compound(_) => return self.parts()[0].form(),
         };
         Form::Convex(Swept { core, pose, radius })
@@ -286,6 +291,10 @@ impl PlacedShape {
             let [min, max] = match part.form() {
                 Form::Convex(swept) => swept.world_bounds(),
                 Form::Surface(surface) => match surface.world_bounds() {
+                    Some(bounds) => bounds,
+                    None => continue,
+                },
+                Form::Field(field) => match field.world_bounds() {
                     Some(bounds) => bounds,
                     None => continue,
                 },

@@ -30,7 +30,8 @@ impl Shape {
     ///
     /// # Errors
     /// As for [`sphere`](Self::sphere), also if the sum of two radii is out of range, and
-    /// [`NotRoundable`](InputErrorKind::NotRoundable) for a half-space, a mesh or a compound.
+    /// [`NotRoundable`](InputErrorKind::NotRoundable) for a half-space, a mesh, a height
+    /// field or a compound.
     pub fn rounded(&self, radius: f64) -> Result<Self, InputError> {
         check_lengths("radius", &[radius])?;
         let refused = |what, hint| Err(InputError::new(InputErrorKind::NotRoundable { what }).with_hint(hint));
@@ -42,6 +43,7 @@ impl Shape {
                 Kind::Round { core: core.clone(), radius: own + radius }
             }
             Kind::HalfSpace { .. } => return refused("half-space", "increase its level instead"),
+            Kind::Field(_) => return refused("height field", "ask whether it is within a distance"),
             Kind::Mesh { .. } => return refused("mesh", "ask whether it is within a distance, or round its hull"),
             Kind::Compound(_) => return refused("compound", "round its parts before they are joined"),
         };
