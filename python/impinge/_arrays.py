@@ -51,6 +51,19 @@ def plain_heights(heights: ArrayLike, name: str) -> NDArray[np.float32]:
     return single
 
 
+def plain_flags(flags: ArrayLike, name: str, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Return a C-contiguous copy of an array of bool with this shape.
+
+    Raise an `InputError` if the type or the shape is wrong.
+    """
+    array = _array(flags, name, f"a {shape} array of bool")
+    if array.dtype.kind != "b":
+        raise InputError(f"has dtype {array.dtype}; bool is expected", kind="dtype", what=name)
+    if array.shape != shape:
+        raise InputError(f"has shape {array.shape}; {shape} is expected", kind="shape", what=name)
+    return np.array(array, np.bool_, order="C")
+
+
 def plain_poses(poses: ArrayLike, name: str) -> NDArray[np.float64]:
     """Return poses as a C-contiguous (..., 4, 4) float64 array, without a copy if possible.
 

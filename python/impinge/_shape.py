@@ -297,11 +297,10 @@ class Shape(_impinge.ShapeBase):
         """
         rows = _arrays.plain_heights(heights, "heights")
         rows.setflags(write=False)
-        gaps = None if holes is None else np.array(holes)
-        if gaps is not None and (gaps.dtype != np.bool_ or gaps.shape != tuple(count - 1 for count in rows.shape)):
-            cells = f"({rows.shape[0] - 1}, {rows.shape[1] - 1})"
-            message = f"has shape {gaps.shape} and dtype {gaps.dtype}; {cells} of bool is expected"
-            raise InputError(message, kind="shape", what="holes")
+        gaps = None
+        if holes is not None:
+            gaps = _arrays.plain_flags(holes, "holes", (rows.shape[0] - 1, rows.shape[1] - 1))
+            gaps.setflags(write=False)
         return cls._of("height_field", (rows, gaps), _pair(spacing, "spacing"))
 
     @classmethod
@@ -424,20 +423,9 @@ class Shape(_impinge.ShapeBase):
         kind, source, numbers = self._made_of
         if kind in ("mesh", "solid"):
             return f"Shape.mesh({source!r}, solid={kind == 'solid'})"
-        if kind == "height_field":
-            return f"Shape.height_field({' x '.join(map(str, source[0].shape))} heights, spacing={tuple(numbers)})"
         if kind == "rounded":
             return f"{source!r}.rounded({numbers[0]:g})"
-        if kind in ("hull", "compound"):
-            return f"Shape.{kind}({len(source)} {'points' if kind == 'hull' else 'parts'})"
-        values = [str(row.tolist()) for row in source] if source is not None and kind != "sphere" else []
-        if kind == "tapered_capsule":
-            return f"Shape.{kind}({', '.join([*values, str(numbers)])})"
-        if kind in ("box", "ellipsoid"):
-            return f"Shape.{kind}({numbers})"
-        if kind == "sphere" and source.any():
-            return f"Shape.sphere({numbers[0]:g}, center={source[0].tolist()})"
-        return f"Shape.{kind}({', '.join(values + [f'{number:g}' for number in numbers])})"
+        return f"Shape.{kind}({', '.join(_shown(kind, source, numbers))})"
 
     def __copy__(self) -> Shape:
         """Return the shape itself: it never changes."""
@@ -484,6 +472,20 @@ def _pair(value: tuple[float, float], name: str) -> list[float]:
     if not isinstance(numbers, (tuple, list)) or len(numbers) != 2:
         raise InputError("must be two numbers", kind="shape", what=name)
     return [real(number, name) for number in numbers]
+
+
+def _shown(kind: str, source: Any, numbers: list[float]) -> list[str]:
+    """Return the arguments of a constructor as text, or the number of points or parts."""
+    if kind in ("hull", "compound"):
+        return [f"{len(source)} {'points' if kind == 'hull' else 'parts'}"]
+    if kind == "height_field":
+        return [f"{' x '.join(map(str, source[0].shape))} heights", f"spacing={tuple(numbers)}"]
+    if kind in ("box", "ellipsoid"):
+        return [str(numbers)]
+    if kind == "sphere":
+        return [f"{numbers[0]:g}", *([f"center={source[0].tolist()}"] if source.any() else [])]
+    rows = [] if source is None else [str(row.tolist()) for row in source]
+    return rows + ([str(numbers)] if kind == "tapered_capsule" else [f"{number:g}" for number in numbers])
 
 
 def _parts(

@@ -371,12 +371,15 @@ def test_a_height_field_answers_as_the_mesh_of_its_triangles(holes):
     first = (6 * rows[:-1, :-1] + columns[:-1, :-1])[slice(None) if holes is None else ~holes].ravel()
     faces = np.stack([first, first + 1, first + 7, first, first + 7, first + 6], axis=-1).reshape(-1, 3)
     mesh = impinge.Mesh(points, faces)
-    poses = random_poses(200, 3, 2)
+    poses = random_poses(200, 1, 2)
+    poses[:, :3, 3] += [1.25, 0.75, 0]  # about the middle of the field
     for shape in (*ROUND, *FLAT, TORUS):
-        assert np.array_equal(impinge.intersects(field, shape, None, poses), impinge.intersects(mesh, shape, None, poses))
+        assert np.array_equal(
+            impinge.intersects(field, shape, None, poses), impinge.intersects(mesh, shape, None, poses)
+        )
         near, far = (impinge.distance(one, shape, None, poses).distance for one in (field, mesh))
         assert np.allclose(near, far, rtol=0, atol=1e-12)
-        assert 0.02 < (far == 0).mean() < 0.9
+        assert 0.02 < (far == 0).mean() < 0.98
     origins = np.random.default_rng(4).uniform(-1, 4, (300, 3))
     found, wanted = field.ray_cast(origins, [1, 0.5, -1]), mesh.ray_cast(origins, [1, 0.5, -1])
     assert np.array_equal(found.t, wanted.t)

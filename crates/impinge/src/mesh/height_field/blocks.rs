@@ -1,8 +1,8 @@
 //! The tree over the cells of a height field: square blocks of cells, with the least and the
 //! greatest height of each.
 //!
-//! The blocks of the lowest level have 8 by 8 cells. Those of each other level have 4 by 4 blocks of
-//! the level below. The tree is implicit: a block is found by its row and column.
+//! A block of the lowest level has 8 by 8 cells, and a block of each other level has 4 by 4 blocks
+//! of the level below. The tree is implicit: a block is found by its row and column.
 
 use std::ops::Range;
 

@@ -70,8 +70,8 @@ impl HeightField {
         if let Some(enter) = self.local_bounds().and_then(enters) {
             queue.push(Entered { enter, block: 0 });
         }
-        // The faces of blocks with a hit, and the earliest hit. Faces of several blocks are compared
-        // together in the end, because hits may be equal.
+        // The faces of blocks with a hit, and the earliest hit. Faces of several blocks are
+        // compared together in the end, because hits may be equal.
         let (mut faces, mut best) = (Vec::new(), None::<RayHit>);
         while let Some(Entered { enter, block }) = queue.pop() {
             if best.is_some_and(|best| enter * scale > best.t * (1.0 + HIT_ERROR)) {
