@@ -173,7 +173,7 @@ impl HeightField {
         let (row, column) = (face / 2 / (columns - 1), face / 2 % (columns - 1));
         let first = row * columns + column;
         let last = first + columns + 1;
-        if face % 2 == 0 { [first, first + 1, last] } else { [first, last, last - 1] }
+        if face.is_multiple_of(2) { [first, first + 1, last] } else { [first, last, last - 1] }
     }
 
     /// Returns a point by its number.

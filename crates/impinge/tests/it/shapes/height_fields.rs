@@ -207,7 +207,7 @@ fn rays_hit_height_fields_as_they_hit_meshes() {
             let cast = |shape: Shape| {
                 let mut world = World::new();
                 world.insert(Body::new(shape).at(there)).unwrap();
-                let options = RayOptions { culls_back_faces, ..RayOptions::default() };
+                let options = RayOptions { culls_back_faces };
                 world.ray_cast_with(&ray, options, |_| true).map(|hit| (hit.t, hit.face, hit.point, hit.normal))
             };
             let found = cast(Shape::height_field(&twin.field));
