@@ -350,7 +350,7 @@ class Shape(_impinge.ShapeBase):
         Returns
         -------
         Shape
-            A shape of the kind ``"rounded"``, which requires a rigid pose unless the radius is zero.
+            A shape of the kind ``"rounded"``. It requires a rigid pose unless the radius is zero.
 
         Raises
         ------

@@ -11,7 +11,7 @@ use crate::math::relative::UNIT_ROUNDOFF;
 /// Triangles with a tree of boxes over them.
 pub(crate) trait Faces {
     /// Returns the least and the greatest corner of a box that holds all faces, or `None` if there
-    /// are none.
+    /// is no face.
     fn local_bounds(&self) -> Option<[[f64; 3]; 2]>;
 
     /// Returns the corners of a face.

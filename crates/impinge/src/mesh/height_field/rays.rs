@@ -19,7 +19,8 @@ struct Entered {
 }
 
 impl Ord for Entered {
-    /// The earliest is the greatest; of several the one with the least number.
+    /// Returns `Greater` for the earlier one or, if both are as early, the one with the lesser
+    /// number.
     fn cmp(&self, other: &Self) -> Ordering {
         other.enter.total_cmp(&self.enter).then(other.block.cmp(&self.block))
     }

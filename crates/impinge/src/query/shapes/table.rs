@@ -1,7 +1,7 @@
 //! The table of pairs: the kernel of each query for two parts, by their representations.
 //!
-//! A compound is compared part by part. Pairs of parts whose boxes are too far apart are skipped; if
-//! there are many parts, a tree finds the other pairs.
+//! A compound is compared part by part. Pairs of parts whose boxes are too far apart are skipped.
+//! If there are many parts, a tree finds the other pairs.
 
 use super::fields::{crop_near, crops_near, separation_of_field, separation_of_fields};
 use super::surfaces::{mesh_of, nearness_of_surfaces, separation_of_surfaces};
