@@ -3,9 +3,9 @@
 //!
 //! Every shape has one of four representations, so that any two shapes can be compared without a
 //! kernel for each pair of kinds. The representations are a *core* with a support function, swept
-//! by a sphere; a half-space; a mesh; and a height field. A sphere is a point and a radius, a capsule a segment and
-//! a radius. All other convex shapes have the radius that they are rounded with, or none. A
-//! compound is compared part by part.
+//! by a sphere; a half-space; a mesh; and a height field. A sphere is a point and a radius, a
+//! capsule a segment and a radius. All other convex shapes have the radius that they are rounded
+//! with, or none. A compound is compared part by part.
 //!
 //! `kind` has a shape and its contents, which are `corners` or the sets in `round`. `constructors`
 //! makes and validates shapes, and `rounded` rounds them. `placed` places them in the world,
