@@ -54,7 +54,7 @@ pub fn pose(bytes: &mut Unstructured<'_>) -> Result<Pose> {
 /// # Errors
 /// Returns an error if the bytes do not suffice.
 pub fn shape(bytes: &mut Unstructured<'_>) -> Result<Shape> {
-    let kind = bytes.int_in_range(0..=11_u8)?;
+    let kind = bytes.int_in_range(0..=13_u8)?;
     let made = match kind {
         0 => Shape::sphere(point(bytes)?, length(bytes)?),
         1 => Shape::capsule(point(bytes)?, point(bytes)?, length(bytes)?),
@@ -70,6 +70,8 @@ pub fn shape(bytes: &mut Unstructured<'_>) -> Result<Shape> {
             let points = (0..bytes.int_in_range(1..=8)?).map(|_| point(bytes)).collect::<Result<Vec<_>>>()?;
             Hull::new(&points).map(|hull| Shape::hull(Arc::new(hull)))
         }
+        11 => Shape::cuboid([length(bytes)?, length(bytes)?, length(bytes)?]).and_then(|core| core.rounded(0.5)),
+        12 => Shape::tapered_capsule(point(bytes)?, point(bytes)?, [length(bytes)?, length(bytes)?]),
         _ => {
             let solid = icosphere(0);
             Mesh::new(Positions::F64(solid.vertices), solid.faces).map(|mesh| {

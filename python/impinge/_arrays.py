@@ -32,6 +32,38 @@ def plain_points(points: ArrayLike, name: str) -> NDArray[np.float64]:
     return _floats(points, name, (3,), cloud=False, wanted="a (3,) point, or (..., 3) of them")
 
 
+def plain_heights(heights: ArrayLike, name: str) -> NDArray[np.float32]:
+    """Return heights as a C-contiguous (rows, columns) float32 copy.
+
+    Raise an `InputError` if the type or the shape is wrong, or if a height is not finite.
+    """
+    array = _array(heights, name, "a (rows, columns) array of numbers")
+    if array.dtype.kind not in "iuf":
+        raise InputError(f"has dtype {array.dtype}; numbers are expected", kind="dtype", what=name)
+    if array.ndim != 2:
+        raise InputError(f"has shape {array.shape}; (rows, columns) is expected", kind="shape", what=name)
+    with np.errstate(over="ignore"):
+        single = np.array(array, np.float32, order="C")
+    wrong = np.argwhere(~np.isfinite(single))
+    if len(wrong):
+        at = tuple(map(int, wrong[0]))
+        raise InputError("a height is not finite in single precision", kind="non-finite", what=name, where=at)
+    return single
+
+
+def plain_flags(flags: ArrayLike, name: str, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Return a C-contiguous copy of an array of bool with this shape.
+
+    Raise an `InputError` if the type or the shape is wrong.
+    """
+    array = _array(flags, name, f"a {shape} array of bool")
+    if array.dtype.kind != "b":
+        raise InputError(f"has dtype {array.dtype}; bool is expected", kind="dtype", what=name)
+    if array.shape != shape:
+        raise InputError(f"has shape {array.shape}; {shape} is expected", kind="shape", what=name)
+    return np.array(array, np.bool_, order="C")
+
+
 def plain_poses(poses: ArrayLike, name: str) -> NDArray[np.float64]:
     """Return poses as a C-contiguous (..., 4, 4) float64 array, without a copy if possible.
 

@@ -16,9 +16,10 @@ class InputError(ValueError):
         Short stable name: ``"type"``, ``"dtype"``, ``"shape"``, ``"option"``, ``"name"``,
         ``"unit"``, ``"non-finite"``, ``"out-of-range"``, ``"index-out-of-bounds"``, ``"too-many"``,
         ``"not-affine"``, ``"singular"``, ``"not-rigid"``, ``"not-unit-quaternion"``,
-        ``"zero-direction"``, ``"zero-axis"``, ``"negative"``, ``"order"``, ``"stale"``,
-        ``"static"``, ``"empty"``, ``"unknown-key"``, ``"state"``, ``"changed"`` or ``"input"``. For
-        files also the kinds in the JSON output of the command, such as ``"syntax"``.
+        ``"zero-direction"``, ``"zero-axis"``, ``"negative"``, ``"not-roundable"``, ``"order"``,
+        ``"stale"``, ``"static"``, ``"empty"``, ``"unknown-key"``, ``"state"``, ``"changed"`` or
+        ``"input"``. For files also the kinds in the JSON output of the command, such as
+        ``"syntax"``.
     what : str
         Name of the invalid argument, such as ``"vertices"`` or ``"pose_b"``, or the path of the
         file.

@@ -88,6 +88,34 @@ class Shape(_impinge.ShapeBase):
         return cls._of("capsule", ends, [real(radius, "radius")])
 
     @classmethod
+    def tapered_capsule(cls, start: ArrayLike, end: ArrayLike, radii: tuple[float, float]) -> Shape:
+        """Return a tapered capsule: the convex hull of two spheres, such as an upper arm.
+
+        If one sphere contains the other, the shape is the larger sphere.
+
+        Parameters
+        ----------
+        start, end : (3,) array_like of float32 or float64
+            Centers of the spheres, in the frame of the shape. They may be equal.
+        radii : (float, float)
+            Radii at the start and at the end, in the unit of the shape, at least zero.
+
+        Raises
+        ------
+        InputError
+            If a number is out of range.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> impinge.Shape.tapered_capsule([0, 0, 0], [0, 0, 2], [0.5, 0.25]).bounds
+        array([[-0.5 , -0.5 , -0.5 ],
+               [ 0.5 ,  0.5 ,  2.25]])
+        """
+        ends = np.concatenate([_points(start, "start", 1), _points(end, "end", 1)])
+        return cls._of("tapered_capsule", ends, _pair(radii, "radii"))
+
+    @classmethod
     def box(cls, half_extents: ArrayLike) -> Shape:
         """Return a solid box centered at the origin, aligned with the axes.
 
@@ -226,6 +254,56 @@ class Shape(_impinge.ShapeBase):
         return cls._of("solid" if flag(solid, "solid") else "mesh", snapshot, [])
 
     @classmethod
+    def height_field(
+        cls, heights: ArrayLike, spacing: tuple[float, float] = (1.0, 1.0), *, holes: ArrayLike | None = None
+    ) -> Shape:
+        """Return terrain: a grid of heights, with two triangles for each cell that are not stored.
+
+        The point of row r and column c has x = c * spacing[0], y = r * spacing[1] and its height as
+        z. The cell between the points (r, c) and (r + 1, c + 1) has the number
+        n = r * (columns - 1) + c. The diagonal from the first of these points to the other divides
+        it into face 2 n, on the side of larger x, and face 2 n + 1. The field is the surface of its
+        faces, like a mesh that is not solid: it has no inside.
+
+        Parameters
+        ----------
+        heights : (rows, columns) array_like of float
+            At least two rows and two columns, rounded to single precision. In the unit of the
+            shape.
+        spacing : (float, float)
+            Distances of neighboring points along x and along y, above zero.
+        holes : (rows - 1, columns - 1) array_like of bool or None
+            True for cells without faces.
+
+        Raises
+        ------
+        InputError
+            If an argument has the wrong shape or type, or if a number is out of range.
+
+        Notes
+        -----
+        A field takes 4 bytes for each height, 0.15 bytes for each cell, and 1 bit for each cell if
+        there are holes.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> import numpy as np
+        >>> hill = impinge.Shape.height_field(np.array([[0, 0, 0], [0, 1, 0], [0, 0, 0]]))
+        >>> impinge.intersects(hill, impinge.Shape.sphere(0.5), pose_b=impinge.pose([1, 1, 1.5]))
+        True
+        >>> hill.ray_cast([1.25, 1.0, 5.0], [0, 0, -1]).point
+        array([1.25, 1.  , 0.75])
+        """
+        rows = _arrays.plain_heights(heights, "heights")
+        rows.setflags(write=False)
+        gaps = None
+        if holes is not None:
+            gaps = _arrays.plain_flags(holes, "holes", (rows.shape[0] - 1, rows.shape[1] - 1))
+            gaps.setflags(write=False)
+        return cls._of("height_field", (rows, gaps), _pair(spacing, "spacing"))
+
+    @classmethod
     def compound(cls, parts: Iterable[tuple[Shape | Mesh, ArrayLike | None]]) -> Shape:
         """Return the union of several shapes as one shape.
 
@@ -258,9 +336,42 @@ class Shape(_impinge.ShapeBase):
         """
         return cls._of("compound", _parts(parts), [])
 
+    def rounded(self, radius: float) -> Shape:
+        """Return the shape grown by a radius on all sides: all points within the radius of it.
+
+        Edges and corners become round, and radii of spheres and capsules add up. To keep the outer
+        size of a box, make its half-extents shorter by the radius first.
+
+        Parameters
+        ----------
+        radius : float
+            In the unit of the shape, at least zero.
+
+        Returns
+        -------
+        Shape
+            A shape of the kind ``"rounded"``. It requires a rigid pose unless the radius is zero.
+
+        Raises
+        ------
+        InputError
+            If the radius is out of range, or if the shape is a half-space, a mesh, a height
+            field or a compound.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> die = impinge.Shape.box([0.75, 0.75, 0.75]).rounded(0.25)
+        >>> die
+        Shape.box([0.75, 0.75, 0.75]).rounded(0.25)
+        >>> die.ray_cast([5, 0, 0], [-1, 0, 0]).point.round(9)
+        array([1., 0., 0.])
+        """
+        return Shape._of("rounded", self, [real(radius, "radius")])
+
     @property
     def kind(self) -> str:
-        """Name of the constructor that made the shape, such as ``"sphere"``."""
+        """Name of the method that made the shape, such as ``"sphere"``."""
         kind = self._made_of[0]
         return "mesh" if kind == "solid" else kind
 
@@ -312,14 +423,9 @@ class Shape(_impinge.ShapeBase):
         kind, source, numbers = self._made_of
         if kind in ("mesh", "solid"):
             return f"Shape.mesh({source!r}, solid={kind == 'solid'})"
-        if kind in ("hull", "compound"):
-            return f"Shape.{kind}({len(source)} {'points' if kind == 'hull' else 'parts'})"
-        values = [str(row.tolist()) for row in source] if source is not None and kind != "sphere" else []
-        if kind in ("box", "ellipsoid"):
-            return f"Shape.{kind}({numbers})"
-        if kind == "sphere" and source.any():
-            return f"Shape.sphere({numbers[0]:g}, center={source[0].tolist()})"
-        return f"Shape.{kind}({', '.join(values + [f'{number:g}' for number in numbers])})"
+        if kind == "rounded":
+            return f"{source!r}.rounded({numbers[0]:g})"
+        return f"Shape.{kind}({', '.join(_shown(kind, source, numbers))})"
 
     def __copy__(self) -> Shape:
         """Return the shape itself: it never changes."""
@@ -358,6 +464,28 @@ def _points(value: ArrayLike, name: str, count: int | None) -> NDArray[np.float6
 def _three(value: ArrayLike, name: str) -> list[float]:
     numbers: list[float] = _points(value, name, 1)[0].tolist()
     return numbers
+
+
+def _pair(value: tuple[float, float], name: str) -> list[float]:
+    """Return two numbers as a list."""
+    numbers = value.tolist() if isinstance(value, np.ndarray) else value
+    if not isinstance(numbers, (tuple, list)) or len(numbers) != 2:
+        raise InputError("must be two numbers", kind="shape", what=name)
+    return [real(number, name) for number in numbers]
+
+
+def _shown(kind: str, source: Any, numbers: list[float]) -> list[str]:
+    """Return the arguments of a constructor as text, or the number of points or parts."""
+    if kind in ("hull", "compound"):
+        return [f"{len(source)} {'points' if kind == 'hull' else 'parts'}"]
+    if kind == "height_field":
+        return [f"{' x '.join(map(str, source[0].shape))} heights", f"spacing={tuple(numbers)}"]
+    if kind in ("box", "ellipsoid"):
+        return [str(numbers)]
+    if kind == "sphere":
+        return [f"{numbers[0]:g}", *([f"center={source[0].tolist()}"] if source.any() else [])]
+    rows = [] if source is None else [str(row.tolist()) for row in source]
+    return rows + ([str(numbers)] if kind == "tapered_capsule" else [f"{number:g}" for number in numbers])
 
 
 def _parts(

@@ -15,12 +15,16 @@ UNIT = Shape.box([0.5, 0.5, 0.5])
 TORUS = impinge.Mesh(*torus())
 ROUND = [Shape.sphere(0.7), Shape.capsule([0, 0, -0.5], [0, 0.2, 0.5], 0.4), Shape.cylinder(0.6, 0.5)]
 ROUND += [Shape.cone(0.6, 0.7), Shape.ellipsoid([0.3, 0.6, 0.9])]
+ROUND += [Shape.box([0.25, 0.5, 0.125]).rounded(0.25), Shape.cone(0.5, 0.5).rounded(0.25)]
+ROUND += [Shape.tapered_capsule([0, 0, -0.5], [0, 0.2, 0.5], (0.5, 0.25))]
 FLAT = [
     UNIT,
     Shape.triangle([[0, 0, 0], [1, 0, 0], [0, 1, 1]]),
     Shape.hull(np.random.default_rng(5).normal(size=(30, 3)) / 2),
 ]
 ALL = [*ROUND, *FLAT, Shape.half_space([1, 2, 2], -1.5), TORUS, Shape.mesh(TORUS, solid=True)]
+HEIGHTS = np.random.default_rng(6).integers(-1, 2, (7, 6)) / 4
+ALL += [Shape.height_field(HEIGHTS, (0.5, 0.25), holes=np.eye(6, 5, dtype=bool))]
 ALL += [Shape.compound([(UNIT, pose([1, 0, 0])), (TORUS, None)])]
 
 
@@ -200,6 +204,7 @@ def test_shapes_pickle_and_have_a_repr(shape):
     poses = random_poses(20, 2, 8)
     assert repr(again) == repr(shape)
     assert shape.kind in repr(shape)
+    assert again.kind == shape.kind
     first, second = (impinge.distance(one, UNIT, None, poses).distance for one in (shape, again))
     assert np.array_equal(first, second)
     if shape.bounds is None:
@@ -216,6 +221,18 @@ def test_shapes_pickle_and_have_a_repr(shape):
     [
         ("negative", "radius", lambda: Shape.sphere(-1)),
         ("non-finite", "radius", lambda: Shape.capsule([0, 0, 0], [1, 0, 0], nan)),
+        ("negative", "radius", lambda: UNIT.rounded(-1)),
+        ("out-of-range", "radius", lambda: Shape.sphere(3e38).rounded(3e38)),
+        ("not-roundable", "shape", lambda: Shape.half_space([0, 0, 1]).rounded(1)),
+        ("not-roundable", "shape", lambda: Shape.mesh(TORUS).rounded(1)),
+        ("negative", "radii", lambda: Shape.tapered_capsule([0, 0, 0], [1, 0, 0], (1, -1))),
+        ("shape", "radii", lambda: Shape.tapered_capsule([0, 0, 0], [1, 0, 0], (1, 1, 1))),
+        ("empty", "heights", lambda: Shape.height_field(np.zeros((1, 4)))),
+        ("shape", "heights", lambda: Shape.height_field([1, 2, 3])),
+        ("non-finite", "heights", lambda: Shape.height_field([[0, 1], [nan, 0]])),
+        ("out-of-range", "spacing", lambda: Shape.height_field(np.zeros((2, 2)), (1, 0))),
+        ("shape", "holes", lambda: Shape.height_field(np.zeros((3, 3)), holes=np.zeros((3, 3), bool))),
+        ("not-roundable", "shape", lambda: Shape.height_field(np.zeros((2, 2))).rounded(1)),
         ("type", "radius", lambda: Shape.cone(1, "wide")),
         ("negative", "half_height", lambda: Shape.cylinder(-1, 1)),
         ("negative", "half_extents", lambda: Shape.box([1, -1, 1])),
@@ -262,6 +279,8 @@ def test_any_numbers_are_accepted_or_raise_an_input_error(vector, one, other):
         lambda: Shape.sphere(one, vector),
         lambda: Shape.capsule(vector, [0, 0, 0], other),
         lambda: Shape.box(vector),
+        lambda: Shape.box(vector).rounded(other),
+        lambda: Shape.tapered_capsule(vector, [0, 0, 1], (one, other)),
     ]
     makers += [
         lambda: Shape.cylinder(one, other),
@@ -342,3 +361,28 @@ def test_rays_on_round_shapes_equal_closed_forms(kind, bound):
     off = np.abs(hit.t[sure] - expected[sure]) * np.linalg.norm(direction[sure], axis=1)
     assert off.max() < bound
     assert hit.hit.sum() <= sure.sum() + 2
+
+
+@pytest.mark.parametrize("holes", [None, np.eye(6, 5, dtype=bool)], ids=["whole", "holes"])
+def test_a_height_field_answers_as_the_mesh_of_its_triangles(holes):
+    field = Shape.height_field(HEIGHTS, (0.5, 0.25), holes=holes)
+    rows, columns = np.indices((7, 6))
+    points = np.stack([0.5 * columns, 0.25 * rows, HEIGHTS], axis=-1).reshape(-1, 3)
+    first = (6 * rows[:-1, :-1] + columns[:-1, :-1])[slice(None) if holes is None else ~holes].ravel()
+    faces = np.stack([first, first + 1, first + 7, first, first + 7, first + 6], axis=-1).reshape(-1, 3)
+    mesh = impinge.Mesh(points, faces)
+    poses = random_poses(200, 1, 2)
+    poses[:, :3, 3] += [1.25, 0.75, 0]  # about the middle of the field
+    for shape in (*ROUND, *FLAT, TORUS):
+        assert np.array_equal(
+            impinge.intersects(field, shape, None, poses), impinge.intersects(mesh, shape, None, poses)
+        )
+        near, far = (impinge.distance(one, shape, None, poses).distance for one in (field, mesh))
+        assert np.allclose(near, far, rtol=0, atol=1e-12)
+        assert 0.02 < (far == 0).mean() < 0.98
+    origins = np.random.default_rng(4).uniform(-1, 4, (300, 3))
+    found, wanted = field.ray_cast(origins, [1, 0.5, -1]), mesh.ray_cast(origins, [1, 0.5, -1])
+    assert np.array_equal(found.t, wanted.t)
+    assert 0.02 < found.hit.mean() < 0.9
+    if holes is None:
+        assert np.array_equal(found.face, wanted.face)

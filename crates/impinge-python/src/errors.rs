@@ -91,6 +91,7 @@ pub(crate) fn kind_and_place(error: &InputError) -> (&'static str, Vec<usize>) {
         InputErrorKind::Negative { index, .. } => ("negative", vec![index]),
         InputErrorKind::NotRigid { .. } => ("not-rigid", Vec::new()),
         InputErrorKind::ZeroAxis => ("zero-axis", Vec::new()),
+        InputErrorKind::NotRoundable { .. } => ("not-roundable", Vec::new()),
         InputErrorKind::ZeroDirection { .. } => ("zero-direction", Vec::new()),
         _ => ("input", Vec::new()),
     }

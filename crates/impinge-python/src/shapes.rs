@@ -6,9 +6,10 @@ use impinge::character::HitVolume;
 use impinge::hull::Hull;
 use impinge::shape::Shape;
 use impinge::volume::Lozenge;
-use impinge::{InputError, InputErrorKind, Pose};
+use impinge::{HeightField, InputError, InputErrorKind, Pose};
 use pyo3::prelude::*;
 
+use crate::arrays::plain_column;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::{MeshBase, mesh_of};
 use crate::points::Points;
@@ -17,6 +18,9 @@ use crate::workers;
 
 /// Exponent of the magnitude below which coordinates and lengths must be, 2^128.
 const EXPONENT: i32 = 128;
+
+/// Number of pieces that a height field counts as. A query compares only the faces that are near.
+const FIELD_WEIGHT: u64 = 64;
 
 /// Base class of `impinge.Shape`.
 #[pyclass(subclass, frozen, module = "impinge._impinge")]
@@ -36,19 +40,32 @@ pub(crate) struct WeighedShape {
 #[pymethods]
 impl ShapeBase {
     /// Makes a shape of a kind from its source and its numbers. The source is points, (k, 3), a
-    /// mesh, or a list of parts, each a shape and a pose.
+    /// mesh, a shape, or a list of parts, each a shape and a pose.
     #[new]
     fn new(kind: &str, source: &Bound<'_, PyAny>, numbers: Vec<f64>) -> PyResult<Self> {
         let py = source.py();
         let points = |name: &str| Points::read(source, name, EXPONENT).map(|points| points.rows);
+        let ends = || -> PyResult<[[f64; 3]; 2]> {
+            let end = |row: usize, name| -> PyResult<[f64; 3]> {
+                Ok(Points::read(&source.get_item(row)?, name, EXPONENT)?.rows[0])
+            };
+            Ok([end(0, "start")?, end(1, "end")?])
+        };
         let mut weight = 1;
         let made = match (kind, &numbers[..]) {
             ("sphere", &[radius]) => Shape::sphere(points("center")?[0], radius),
             ("capsule", &[radius]) => {
-                let end = |row: usize, name| -> PyResult<[f64; 3]> {
-                    Ok(Points::read(&source.get_item(row)?, name, EXPONENT)?.rows[0])
-                };
-                Shape::capsule(end(0, "start")?, end(1, "end")?, radius)
+                let [start, end] = ends()?;
+                Shape::capsule(start, end, radius)
+            }
+            ("tapered_capsule", &[at_start, at_end]) => {
+                let [start, end] = ends()?;
+                Shape::tapered_capsule(start, end, [at_start, at_end])
+            }
+            ("rounded", &[radius]) => {
+                let inner = read_shape(source, "shape", false)?;
+                weight = inner.weight;
+                inner.shape.rounded(radius)
             }
             ("box", &[x, y, z]) => Shape::cuboid([x, y, z]),
             ("lozenge", &[radius]) => {
@@ -73,6 +90,19 @@ impl ShapeBase {
                 let mesh = mesh_of(source, "mesh")?;
                 weight = mesh.faces().len() as u64;
                 Ok(if kind == "solid" { Shape::solid(&mesh) } else { Shape::mesh(&mesh) })
+            }
+            ("height_field", &[x, y]) => {
+                let (rows, holes): (Bound<'_, PyAny>, Bound<'_, PyAny>) = source.extract()?;
+                let (row_count, column_count): (usize, usize) = rows.getattr("shape")?.extract()?;
+                let heights = plain_column::<f32>(&rows)?;
+                let holes = if holes.is_none() { Vec::new() } else { plain_column::<bool>(&holes)? };
+                weight = FIELD_WEIGHT;
+                let made = workers::run(py, move |_| {
+                    HeightField::with_holes(row_count, column_count, [x, y], heights, |row, column| {
+                        holes.get(row * (column_count - 1) + column).copied().unwrap_or(false)
+                    })
+                })?;
+                made.map(|field| Shape::height_field(&field))
             }
             ("compound", []) => {
                 let parts = parts_of(source)?;
@@ -103,14 +133,18 @@ fn refused(error: &InputError) -> Fault {
         InputErrorKind::NonFinite { what, .. }
         | InputErrorKind::OutOfRange { what, .. }
         | InputErrorKind::Negative { what, .. }
+        | InputErrorKind::TooMany { what, .. }
         | InputErrorKind::Empty { what } => what,
         InputErrorKind::ZeroAxis => "normal",
+        InputErrorKind::NotRoundable { .. } => "shape",
         _ => "parts",
     };
     let (argument, is_single) = match what {
         "half-extent" => ("half_extents", false),
         "half-axis" => ("half_axes", false),
         "half-height" => ("half_height", true),
+        "end radius" => ("radii", false),
+        "cells" => ("heights", true),
         "radius" | "level" | "normal" => (what, true),
         _ => (what, false),
     };

@@ -95,6 +95,11 @@ pub enum InputErrorKind {
         /// The Frobenius norm of RᵀR - I for the linear part R, rounded up.
         deviation: f64,
     },
+    /// A shape cannot be rounded, because it is not one bounded convex set.
+    NotRoundable {
+        /// Noun for the shape, such as `"mesh"`.
+        what: &'static str,
+    },
     /// The direction of a ray is the zero vector.
     ZeroDirection {
         /// Index of the ray, counted from zero.
@@ -174,6 +179,9 @@ impl fmt::Display for InputError {
             InputErrorKind::Negative { what, index } => write!(f, "{what} {index} is negative")?,
             InputErrorKind::NotRigid { deviation } => {
                 write!(f, "the map is not rigid: it deviates from a rotation by {deviation:e}")?;
+            }
+            InputErrorKind::NotRoundable { what } => {
+                write!(f, "a {what} cannot be rounded, only one bounded convex shape can")?;
             }
             InputErrorKind::ZeroDirection { index } => write!(f, "the direction of ray {index} is zero")?,
         }

@@ -129,5 +129,5 @@ pub mod world;
 pub use budget::Budget;
 pub use input::{InputError, InputErrorKind};
 pub use math::Pose;
-pub use mesh::{Mesh, Positions};
+pub use mesh::{HeightField, Mesh, Positions};
 pub use shape::Shape;

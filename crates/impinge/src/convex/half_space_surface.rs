@@ -1,4 +1,4 @@
-//! A mesh and a half-space: finds the faces that reach lowest, through the mesh's tree.
+//! A mesh or a height field and a half-space: finds the faces that reach lowest, through the tree.
 
 use std::ops::ControlFlow::{self, Continue};
 
@@ -10,13 +10,13 @@ use super::manifold::Contacts;
 use super::posed::{Core, Pair, Swept};
 use super::surface::{Surface, corners_of_box};
 use crate::math::vec3::length;
-use crate::mesh::FaceSearch;
+use crate::mesh::{FaceSearch, Faces};
 use crate::volume::Proximity;
 
 impl HalfSpace<'_> {
     /// Reports whether a mesh is within `clearance` of this half-space, in world units. The
     /// clearance must be finite and not negative. The answer is exact.
-    pub(crate) fn nearness_of_surface(&self, surface: &Surface<'_>, clearance: f64) -> Proximity {
+    pub(crate) fn nearness_of_surface<F: Faces>(&self, surface: &Surface<'_, F>, clearance: f64) -> Proximity {
         let mut answer = Proximity::Apart;
         self.search(surface, clearance, |face, cut| {
             if self.nearness(face, clearance) == Proximity::Intersects {
@@ -29,7 +29,7 @@ impl HalfSpace<'_> {
     }
 
     /// Returns the distance of a mesh, in world units. It is infinite if the mesh has no faces.
-    pub(crate) fn separation_of_surface(&self, surface: &Surface<'_>) -> Separation {
+    pub(crate) fn separation_of_surface<F: Faces>(&self, surface: &Surface<'_, F>) -> Separation {
         let mut best: Option<Separation> = None;
         self.search(surface, f64::INFINITY, |face, cut| {
             let found = self.separation(face);
@@ -53,7 +53,7 @@ impl HalfSpace<'_> {
 
     /// Returns the depth of a mesh in this half-space, in world units, with the half-space's
     /// normal. Returns `None` if the mesh has no faces.
-    pub(crate) fn depth_of_surface(&self, surface: &Surface<'_>) -> Option<Depth> {
+    pub(crate) fn depth_of_surface<F: Faces>(&self, surface: &Surface<'_, F>) -> Option<Depth> {
         let mut best: Option<Depth> = None;
         self.search(surface, 0.0, |face, cut| {
             let found = self.depth(face);
@@ -74,20 +74,19 @@ impl HalfSpace<'_> {
     ///
     /// # Complexity
     /// O(n) for n faces that are that near.
-    pub(crate) fn contacts_of_surface(&self, surface: &Surface<'_>, margin: f64) -> Contacts {
+    pub(crate) fn contacts_of_surface<F: Faces>(&self, surface: &Surface<'_, F>, margin: f64) -> Contacts {
         let mesh = surface.mesh;
         let Some(corners) = mesh.local_bounds().map(corners_of_box) else { return self.no_contacts() };
         let bounds = Swept { core: Core::Points(&corners), pose: surface.pose, radius: [0.0; 2] };
         let pair = self.pair(&bounds);
-        let first_at = &mesh.topology().first_at;
         let mut vertices = Vec::new();
         self.faces(surface, margin, |face, _, cut| {
-            vertices.extend(mesh.faces()[face as usize].map(|vertex| first_at[vertex as usize]));
+            vertices.extend(mesh.places(face));
             cut
         });
         vertices.sort_unstable();
         vertices.dedup();
-        let corner = |number: u32| Corner { number, point: pair.b.spot(mesh.positions().get(number as usize)).point };
+        let corner = |number: u32| Corner { number, point: pair.b.spot(mesh.position(number)).point };
         let contacts = vertices.into_iter().map(|vertex| self.contact(&pair, [0.0; 2], &corner(vertex)));
         Contacts { contacts: contacts.filter(|contact| contact.upper >= -margin).collect(), ..self.no_contacts() }
     }
@@ -96,13 +95,13 @@ impl HalfSpace<'_> {
         Contacts { normal: self.unit_normal(), contacts: Vec::new() }
     }
 
-    fn search(&self, surface: &Surface<'_>, cut: f64, mut visit: impl FnMut(&Swept<'_>, f64) -> f64) {
+    fn search<F: Faces>(&self, surface: &Surface<'_, F>, cut: f64, mut visit: impl FnMut(&Swept<'_>, f64) -> f64) {
         self.faces(surface, cut, |_, face, cut| visit(face, cut));
     }
 
     /// Visits the faces whose lowest point may be below `cut`, a height above the plane in world
     /// units. Each call of `visit` returns the new cut.
-    fn faces(&self, surface: &Surface<'_>, cut: f64, visit: impl FnMut(u32, &Swept<'_>, f64) -> f64) {
+    fn faces<F: Faces>(&self, surface: &Surface<'_, F>, cut: f64, visit: impl FnMut(u32, &Swept<'_>, f64) -> f64) {
         let Some(corners) = surface.mesh.local_bounds().map(corners_of_box) else { return };
         let bounds = Swept { core: Core::Points(&corners), pose: surface.pose, radius: [0.0; 2] };
         let pair = self.pair(&bounds);
@@ -110,15 +109,15 @@ impl HalfSpace<'_> {
     }
 }
 
-struct Lowest<'q, V> {
+struct Lowest<'q, F, V> {
     half_space: &'q HalfSpace<'q>,
-    surface: &'q Surface<'q>,
+    surface: &'q Surface<'q, F>,
     pair: &'q Pair<'q>,
     cut: f64,
     visit: V,
 }
 
-impl<V: FnMut(u32, &Swept<'_>, f64) -> f64> FaceSearch for Lowest<'_, V> {
+impl<F: Faces, V: FnMut(u32, &Swept<'_>, f64) -> f64> FaceSearch for Lowest<'_, F, V> {
     fn bound(&self, center: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
         let direction = self.half_space.direction();
         let [lower, _] = self.half_space.height(self.pair, &self.pair.b.spot(*center).point);

@@ -1,4 +1,5 @@
-//! A mesh and a convex set: finds the faces near the set. Each face is a convex set itself.
+//! A mesh or a height field and a convex set: finds the faces near the set. Each face is a convex
+//! set itself.
 //!
 //! The descent of the mesh's tree is pruned by proved bounds: the gap between a node's box and the
 //! set's box, and the gap along the direction from the nearest face so far. Each face gets the
@@ -16,18 +17,26 @@ use super::posed::{Core, Pair, Swept, to_unit_length};
 use crate::exact::{Placement, PosedPoint, Spot};
 use crate::math::Pose;
 use crate::math::vec3::{dot, length, sub};
-use crate::mesh::{Containment, FaceSearch, Mesh, PointClassifier};
+use crate::mesh::{Containment, FaceSearch, Faces, Mesh};
 use crate::volume::Proximity;
 
-/// A mesh in the world: its surface, or also the region that it encloses.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Surface<'a> {
-    pub(crate) mesh: &'a Mesh,
+/// A mesh or a height field in the world: its surface, or also the region that a mesh encloses.
+#[derive(Debug)]
+pub(crate) struct Surface<'a, F = Mesh> {
+    pub(crate) mesh: &'a F,
     pub(crate) pose: &'a Pose,
     pub(crate) is_solid: bool,
 }
 
-impl<'a> Surface<'a> {
+impl<F> Clone for Surface<'_, F> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<F> Copy for Surface<'_, F> {}
+
+impl<'a, F: Faces> Surface<'a, F> {
     /// Returns a face as a convex set. The caller keeps its corners.
     pub(super) fn face<'c>(&'c self, corners: &'c [[f64; 3]; 3]) -> Swept<'c> {
         Swept { core: Core::Points(corners), pose: self.pose, radius: [0.0; 2] }
@@ -96,11 +105,21 @@ impl<'a> Surface<'a> {
         }
         let local = shape.core.point();
         let placement = Placement::new(self.pose, shape.pose);
-        PointClassifier::new(self.mesh).containment(&PosedPoint::new(&placement, Spot::At(local)))
+        self.mesh.containment(&PosedPoint::new(&placement, Spot::At(local)))
     }
 
     fn inner_point(&self, shape: &Swept<'_>) -> [f64; 3] {
         shape.pose.apply(shape.core.point())
+    }
+
+    /// Returns the faces that may be within `reach` of a box of the world, given by its least and
+    /// its greatest corner.
+    pub(crate) fn faces_near_box(&self, bounds: [[f64; 3]; 2], reach: f64) -> Vec<u32> {
+        let corners = corners_of_box(bounds);
+        let shape = Swept { core: Core::Points(&corners), pose: &Pose::IDENTITY, radius: [0.0; 2] };
+        let mut search = Collecting { reach, faces: Vec::new() };
+        self.search(&shape, &mut search);
+        search.faces
     }
 
     fn search(&self, shape: &Swept<'_>, search: &mut impl Search) {
@@ -209,13 +228,13 @@ trait Search {
     fn visit(&mut self, face: u32, corners: &[[f64; 3]; 3]) -> ControlFlow<(), Option<[f64; 3]>>;
 }
 
-struct Bounded<'p, 's, S> {
-    mesh: &'p Mesh,
+struct Bounded<'p, 's, S, F> {
+    mesh: &'p F,
     beside: Beside<'p>,
     search: &'s mut S,
 }
 
-impl<S: Search> FaceSearch for Bounded<'_, '_, S> {
+impl<S: Search, F: Faces> FaceSearch for Bounded<'_, '_, S, F> {
     fn bound(&self, center: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
         self.beside.bound(center, half_extents)
     }
@@ -240,15 +259,32 @@ impl<S: Search> FaceSearch for Bounded<'_, '_, S> {
     }
 }
 
-struct Nearness<'a, 'q> {
-    surface: &'q Surface<'a>,
+/// A search that keeps all faces of boxes within a reach.
+struct Collecting {
+    reach: f64,
+    faces: Vec<u32>,
+}
+
+impl Search for Collecting {
+    fn cut(&self) -> f64 {
+        self.reach
+    }
+
+    fn visit(&mut self, face: u32, _: &[[f64; 3]; 3]) -> ControlFlow<(), Option<[f64; 3]>> {
+        self.faces.push(face);
+        Continue(None)
+    }
+}
+
+struct Nearness<'a, 'q, F> {
+    surface: &'q Surface<'a, F>,
     shape: &'q Swept<'q>,
     clearance: f64,
     answer: Proximity,
     known: Coherence,
 }
 
-impl Search for Nearness<'_, '_> {
+impl<F: Faces> Search for Nearness<'_, '_, F> {
     fn cut(&self) -> f64 {
         self.clearance
     }
@@ -266,8 +302,8 @@ impl Search for Nearness<'_, '_> {
     }
 }
 
-struct Separating<'a, 'q> {
-    surface: &'q Surface<'a>,
+struct Separating<'a, 'q, F> {
+    surface: &'q Surface<'a, F>,
     shape: &'q Swept<'q>,
     best: Separation,
     face: u32,
@@ -275,7 +311,7 @@ struct Separating<'a, 'q> {
     known: Coherence,
 }
 
-impl Search for Separating<'_, '_> {
+impl<F: Faces> Search for Separating<'_, '_, F> {
     fn cut(&self) -> f64 {
         self.best.upper
     }

@@ -24,7 +24,7 @@ use super::surface::{Beside, Surface, corners_of_box};
 use super::{Facets, HalfSpace};
 use crate::budget::Budget;
 use crate::math::vec3::{cross, dot, length, sub};
-use crate::mesh::FaceSearch;
+use crate::mesh::{FaceSearch, Faces};
 use crate::primitive::closest_on_triangle;
 use crate::volume::Proximity;
 
@@ -201,7 +201,7 @@ impl Touching<'_> {
     }
 }
 
-impl Surface<'_> {
+impl<F: Faces> Surface<'_, F> {
     /// Returns the contacts of a half-space, which comes first, with this mesh.
     pub(crate) fn contacts_with_half_space(&self, half_space: &HalfSpace<'_>, margin: f64) -> Vec<Contacts> {
         let contacts = half_space.contacts_of_surface(self, margin);

@@ -15,10 +15,15 @@
 //! - `solid` treats meshes as solids: winding numbers, and the sides of faces.
 //! - `distance` finds the nearest points of two meshes.
 //!
+//! - `height_field` is terrain on a grid, whose triangles are never stored; `faces` is what meshes
+//!   and height fields have in common.
+//!
 //! `options` sets how a query runs.
 
 mod derived;
 mod distance;
+mod faces;
+mod height_field;
 mod lifecycle;
 mod options;
 mod pairs;
@@ -31,6 +36,9 @@ mod triangle_mesh;
 
 pub(crate) use derived::topology::{Across, Components, DisjointSets};
 pub(crate) use distance::{WarmStart, nearest, within};
+pub(crate) use faces::Faces;
+pub(crate) use height_field::Crop;
+pub use height_field::HeightField;
 pub use lifecycle::aging::Aging;
 pub use lifecycle::parts::{Flaw, Parts};
 pub use lifecycle::repair::{Repair, RepairOptions};

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use super::corners::Corners;
 use super::kind::{Kind, RoundCore, Shape};
-use super::round::Ellipsoid;
+use super::round::{Ellipsoid, Tapered};
 use crate::convex::{Support, Turned};
 use crate::hull::Hull;
 use crate::input::{InputError, InputErrorKind};
-use crate::math::Pose;
-use crate::mesh::{Mesh, SolidMesh};
+use crate::math::dyadic::{self, Dyadic};
+use crate::math::{Pose, Sign};
+use crate::mesh::{HeightField, Mesh, SolidMesh};
 
 /// Coordinates and lengths must be below this magnitude, 2^128. The proofs hold below it, as for
 /// meshes.
@@ -30,7 +31,7 @@ impl Shape {
     pub fn sphere(center: [f64; 3], radius: f64) -> Result<Self, InputError> {
         check_points("center", &[center])?;
         check_lengths("radius", &[radius])?;
-        Ok(Self(Kind::Round { core: RoundCore::Few(Corners::few(&[center])), radius }))
+        Ok(Self(Kind::Round { core: RoundCore::Polytope(Corners::few(&[center])), radius }))
     }
 
     /// Returns a capsule, in the frame of the shape: the points within `radius` of a segment. The
@@ -41,7 +42,42 @@ impl Shape {
     pub fn capsule(start: [f64; 3], end: [f64; 3], radius: f64) -> Result<Self, InputError> {
         check_points("capsule end", &[start, end])?;
         check_lengths("radius", &[radius])?;
-        Ok(Self(Kind::Round { core: RoundCore::Few(Corners::few(&[start, end])), radius }))
+        Ok(Self(Kind::Round { core: RoundCore::Polytope(Corners::few(&[start, end])), radius }))
+    }
+
+    /// Returns a tapered capsule, in the frame of the shape: the convex hull of two spheres, whose
+    /// centers are `start` and `end`. Two equal radii give a [`capsule`](Self::capsule). If one
+    /// sphere contains the other, which is decided exactly, the shape is the larger
+    /// [`sphere`](Self::sphere).
+    ///
+    /// ```
+    /// use impinge::{Pose, Shape, query};
+    ///
+    /// let arm = Shape::tapered_capsule([0.0; 3], [0.0, 0.0, 5.0], [4.0, 1.0])?.at(Pose::IDENTITY)?;
+    /// let marble = Shape::sphere([3.0, 4.0, 5.0], 1.0)?.at(Pose::IDENTITY)?;
+    /// let found = query::distance(&arm, &marble);
+    /// assert!(found.lower <= 2.0 && 2.0 <= found.upper && found.upper - found.lower < 1e-9);
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As for [`sphere`](Self::sphere).
+    pub fn tapered_capsule(start: [f64; 3], end: [f64; 3], radii: [f64; 2]) -> Result<Self, InputError> {
+        check_points("capsule end", &[start, end])?;
+        check_lengths("end radius", &radii)?;
+        let [(center, radius), (tip, least)] = if radii[0] < radii[1] {
+            [(end, radii[1]), (start, radii[0])]
+        } else {
+            [(start, radii[0]), (end, radii[1])]
+        };
+        if radius == least {
+            return Self::capsule(start, end, radius);
+        }
+        if contains([(&center, radius), (&tip, least)]) {
+            return Self::sphere(center, radius);
+        }
+        let set = Tapered { center, radius: radius - least, tip };
+        Ok(Self(Kind::Round { core: RoundCore::Curved(Arc::new(set)), radius: least }))
     }
 
     /// Returns a box about the origin of the shape's frame, with edges along the axes. It reaches
@@ -197,6 +233,19 @@ impl Shape {
         Self(Kind::Mesh { mesh: mesh.clone(), is_solid: true })
     }
 
+    /// Returns the surface of a height field as a shape, in the frame of the field. All shapes made
+    /// of a field share its memory.
+    ///
+    /// Queries answer as for the mesh of the same triangles. Contacts, and queries about a mesh or
+    /// another field, make a mesh of the triangles that are near. Only [`penetration`] differs: it
+    /// takes a mesh as a solid, but a height field has no inside.
+    ///
+    /// [`penetration`]: crate::query::penetration()
+    #[must_use]
+    pub fn height_field(field: &HeightField) -> Self {
+        Self(Kind::Field(field.clone()))
+    }
+
     /// Returns the mesh that the shape is made of, and whether it is solid. Returns `None` for any
     /// other shape.
     #[must_use]
@@ -291,10 +340,23 @@ impl From<&Mesh> for Shape {
     }
 }
 
+impl From<&HeightField> for Shape {
+    fn from(field: &HeightField) -> Self {
+        Self::height_field(field)
+    }
+}
+
 impl From<SolidMesh<'_>> for Shape {
     fn from(solid: SolidMesh<'_>) -> Self {
         Self::solid(solid.0)
     }
+}
+
+/// Reports whether the first of two spheres contains the second. Its radius must be greater.
+fn contains([(center, radius), (other, least)]: [(&[f64; 3], f64); 2]) -> bool {
+    let between = [0, 1, 2].map(|k| &Dyadic::from_f64(other[k]) - &Dyadic::from_f64(center[k]));
+    let reach = &Dyadic::from_f64(radius) - &Dyadic::from_f64(least);
+    (&dyadic::dot(&between, &between) - &(&reach * &reach)).sign() != Sign::Positive
 }
 
 fn check_points(what: &'static str, points: &[[f64; 3]]) -> Result<(), InputError> {
@@ -309,7 +371,7 @@ fn check_points(what: &'static str, points: &[[f64; 3]]) -> Result<(), InputErro
     Ok(())
 }
 
-fn check_lengths(what: &'static str, lengths: &[f64]) -> Result<(), InputError> {
+pub(super) fn check_lengths(what: &'static str, lengths: &[f64]) -> Result<(), InputError> {
     for (index, &length) in lengths.iter().enumerate() {
         if !length.is_finite() {
             return Err(InputError::new(InputErrorKind::NonFinite { what, index }));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::corners::Corners;
 use crate::convex::{Support, Turned};
 use crate::math::Pose;
-use crate::mesh::Mesh;
+use crate::mesh::{HeightField, Mesh};
 
 /// A shape in its own frame. Cloning it is fast, because copies share their memory.
 ///
@@ -33,6 +33,8 @@ pub(super) enum Kind {
     Round { core: RoundCore, radius: f64 },
     /// The half-space {v : normal·v ≤ level}.
     HalfSpace { normal: [f64; 3], level: f64 },
+    /// A height field, as its surface.
+    Field(HeightField),
     /// A mesh, as its surface or as a solid.
     Mesh { mesh: Mesh, is_solid: bool },
     /// Parts with their poses in the frame of the compound. No part is a compound itself.
@@ -42,7 +44,7 @@ pub(super) enum Kind {
 /// Core of a round shape.
 #[derive(Clone, Debug)]
 pub(super) enum RoundCore {
-    Few(Corners),
+    Polytope(Corners),
     Turned(Turned),
     Curved(Arc<dyn Support>),
 }

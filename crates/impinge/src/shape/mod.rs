@@ -1,14 +1,15 @@
 //! Shapes in their own frames, and shapes placed in the world: convex shapes, half-spaces, meshes,
-//! and compounds of these.
+//! height fields, and compounds of these.
 //!
-//! Every shape has one of three representations, so that any two shapes can be compared without a
+//! Every shape has one of four representations, so that any two shapes can be compared without a
 //! kernel for each pair of kinds. The representations are a *core* with a support function, swept
-//! by a sphere; a half-space; and a mesh. A sphere is a point and a radius, a capsule a segment and
-//! a radius. All other convex shapes have no radius. A compound is compared part by part.
+//! by a sphere; a half-space; a mesh; and a height field. A sphere is a point and a radius, a
+//! capsule a segment and a radius. All other convex shapes have the radius that they are rounded
+//! with, or none. A compound is compared part by part.
 //!
 //! `kind` has a shape and its contents, which are `corners` or the sets in `round`. `constructors`
-//! makes and validates shapes. `placed` places them in the world, `part_tree` finds the parts of a
-//! placed compound, and `form` has the three representations.
+//! makes and validates shapes, and `rounded` rounds them. `placed` places them in the world,
+//! `part_tree` finds the parts of a placed compound, and `form` has the representations.
 //!
 //! Tests: `tests/it/shapes`. Benchmark: `shapes`.
 
@@ -19,6 +20,7 @@ mod kind;
 mod part_tree;
 mod placed;
 mod round;
+mod rounded;
 
 pub(crate) use form::Form;
 pub use kind::Shape;

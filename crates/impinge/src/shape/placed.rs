@@ -116,9 +116,10 @@ impl Shape {
 }
 
 impl Shape {
-    /// Reports whether the shape accepts every pose: it is a polytope, a half-space or a mesh.
+    /// Reports whether the shape accepts every pose: it is a polytope, a half-space, a
+    /// height field or a mesh.
     pub(crate) fn is_affine(&self) -> bool {
-        matches!(&self.0, Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. })
+        matches!(&self.0, Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Field(_) | Kind::Mesh { .. })
     }
 
     /// Checks whether the shape accepts a pose, without placing it.
@@ -127,7 +128,7 @@ impl Shape {
     /// As for [`at`](Self::at).
     pub(crate) fn check_pose(&self, world_from_local: &Pose) -> Result<(), InputError> {
         match &self.0 {
-            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. } => Ok(()),
+            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Field(_) | Kind::Mesh { .. } => Ok(()),
             Kind::Round { radius, .. } => images_of_radius(*radius, world_from_local).map(drop),
             Kind::Compound(parts) => parts.iter().try_for_each(|(part, compound_from_part)| {
                 part.check_pose(&world_from_local.compose(compound_from_part)?)
@@ -172,7 +173,9 @@ impl PlacedShape {
             Kind::Mesh { mesh, is_solid } => {
                 Some(PlacedMesh { mesh, world_from_mesh: part.stand.world_from_local, is_solid: *is_solid })
             }
-            Kind::Polytope(_) | Kind::Round { .. } | Kind::HalfSpace { .. } | Kind::Compound(_) => None,
+            Kind::Polytope(_) | Kind::Round { .. } | Kind::HalfSpace { .. } | Kind::Field(_) | Kind::Compound(_) => {
+                None
+            }
         }
     }
 
@@ -194,11 +197,12 @@ impl PlacedShape {
         match &self.kind {
             Kind::Compound(_) => return Ok(None),
             Kind::Round { radius, .. } => stand.radius = images_of_radius(*radius, world_from_local)?,
-            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Mesh { .. } => {}
+            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Field(_) | Kind::Mesh { .. } => {}
         }
         stand.bounds = match self.form_at(&stand) {
             Form::Convex(swept) => Bounds::Box(swept.world_bounds()),
             Form::Surface(surface) => Bounds::of(surface.world_bounds()),
+            Form::Field(field) => Bounds::of(field.world_bounds()),
             Form::HalfSpace(plane) => {
                 let (direction, _, level) = plane.rounded();
                 Bounds::Plane(direction, level)
@@ -214,14 +218,14 @@ impl PlacedShape {
 
     /// Prefetches the pointer to the corners of a polytope.
     pub(crate) fn prefetch(&self) {
-        if let Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } = &self.kind {
+        if let Kind::Polytope(corners) | Kind::Round { core: RoundCore::Polytope(corners), .. } = &self.kind {
             corners.prefetch();
         }
     }
 
     /// Prefetches a few corners. This reads the pointer to them.
     pub(crate) fn prefetch_corners(&self) {
-        if let Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } = &self.kind
+        if let Kind::Polytope(corners) | Kind::Round { core: RoundCore::Polytope(corners), .. } = &self.kind
             && let Core::Points(points) | Core::Cuboid(points) = corners.core()
         {
             points.iter().take(MAX_PREFETCHED_CORNERS).step_by(2).for_each(prefetch);
@@ -238,7 +242,7 @@ impl PlacedShape {
     pub(crate) fn form_at<'a>(&'a self, stand: &'a Stand) -> Form<'a> {
         let (pose, radius) = (&stand.world_from_local, stand.radius);
         let core = match &self.kind {
-            Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.core(),
+            Kind::Polytope(corners) | Kind::Round { core: RoundCore::Polytope(corners), .. } => corners.core(),
             Kind::Round { core: RoundCore::Turned(set), .. } => Core::Turned(set),
             Kind::Round { core: RoundCore::Curved(set), .. } => Core::Curved(&**set),
             Kind::HalfSpace { normal, level } => {
@@ -248,6 +252,7 @@ impl PlacedShape {
                 });
             }
             Kind::Mesh { mesh, is_solid } => return Form::Surface(Surface { mesh, pose, is_solid: *is_solid }),
+            Kind::Field(field) => return Form::Field(Surface { mesh: field, pose, is_solid: false }),
             Kind::Compound(_) => return self.parts()[0].form(),
         };
         Form::Convex(Swept { core, pose, radius })
@@ -256,7 +261,7 @@ impl PlacedShape {
     /// Returns a swept core of this shape with its facets, if it is a polytope.
     pub(crate) fn faceted<'a>(&'a self, swept: Swept<'a>) -> Faceted<'a> {
         let facets = match &self.kind {
-            Kind::Polytope(corners) | Kind::Round { core: RoundCore::Few(corners), .. } => corners.facets(),
+            Kind::Polytope(corners) | Kind::Round { core: RoundCore::Polytope(corners), .. } => corners.facets(),
             _ => None,
         };
         Faceted { swept, facets, has_all_facets: false }
@@ -286,6 +291,10 @@ impl PlacedShape {
             let [min, max] = match part.form() {
                 Form::Convex(swept) => swept.world_bounds(),
                 Form::Surface(surface) => match surface.world_bounds() {
+                    Some(bounds) => bounds,
+                    None => continue,
+                },
+                Form::Field(field) => match field.world_bounds() {
                     Some(bounds) => bounds,
                     None => continue,
                 },

@@ -194,9 +194,13 @@ impl<'s> Sweep<'s> {
     }
 }
 
-/// Reports whether a shape has a mesh as its surface, which has no interior.
+/// Reports whether a shape has a mesh as its surface, or a height field: they have no interior.
 fn is_surface(shape: &PlacedShape) -> bool {
-    shape.parts().iter().any(|part| matches!(part.form(), Form::Surface(surface) if !surface.is_solid))
+    shape.parts().iter().any(|part| match part.form() {
+        Form::Surface(surface) => !surface.is_solid,
+        Form::Field(_) => true,
+        Form::Convex(_) | Form::HalfSpace(_) => false,
+    })
 }
 
 /// Returns the place at which two pieces touch at a time, up to `margin`.

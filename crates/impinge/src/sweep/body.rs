@@ -7,12 +7,12 @@
 
 use super::motion::Motion;
 use super::piece::{ABOVE, AxisReach, Content, Piece, SlabbedBox, Volume, image};
-use crate::convex::{Core, Swept, to_unit_entries};
+use crate::convex::{Core, Surface, Swept, to_unit_entries};
 use crate::hierarchy::Child;
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::math::vec3::{Vector, dot, scaled_length};
-use crate::mesh::Mesh;
+use crate::mesh::{Faces, Mesh};
 use crate::shape::{Form, PlacedShape, Shape};
 use crate::volume::stretch;
 
@@ -66,7 +66,7 @@ impl<'m> Body<'m> {
                     body.roots.push(body.pieces.len() as u32);
                     body.push(number, Content::Whole, Volume::HalfSpace { normal, base, level }, AxisReach::default());
                 }
-                Form::Convex(_) | Form::Surface(_) => bounded.push(number),
+                Form::Convex(_) | Form::Surface(_) | Form::Field(_) => bounded.push(number),
             }
         }
         bounded.retain(|&part| body.bounds(part).is_some());
@@ -128,6 +128,11 @@ impl<'m> Body<'m> {
                 let reach = AxisReach::of_points(self.motion, corners.map(|corner| surface.pose.apply(corner)));
                 self.bound(index, reach);
                 index
+            }
+            Form::Field(field) => {
+                let [min, max] = field.mesh.local_bounds().unwrap_or_default();
+                let volume = self.placed_box(part, &box_between(min, max));
+                self.push_box(part, Content::Below(Child::Inner(0)), volume)
             }
             Form::Convex(swept) => {
                 let place = |point: Vector| swept.pose.apply(point);
@@ -195,35 +200,53 @@ impl<'m> Body<'m> {
             return children.clone();
         }
         let still = self.still.clone();
-        let Form::Surface(surface) = still.parts()[part as usize].form() else { return vec![] };
-        let mesh = surface.mesh;
-        let made: Vec<u32> = match content {
-            Content::Below(Child::Inner(node)) => mesh
+        let made = match still.parts()[part as usize].form() {
+            Form::Surface(surface) => {
+                self.below(part, content, &surface, |body, node| body.slab(part, surface.mesh, node))
+            }
+            Form::Field(field) => self.below(part, content, &field, |_, _| None),
+            Form::Convex(_) | Form::HalfSpace(_) => vec![],
+        };
+        made.iter().for_each(|&child| self.bound(child, all));
+        self.pieces[piece as usize].children.clone_from(&made);
+        made
+    }
+
+    /// Makes the pieces below a node or a leaf of a mesh or a height field. `slab` returns the slab
+    /// of a node.
+    fn below<F: Faces>(
+        &mut self,
+        part: u32,
+        content: Content,
+        surface: &Surface<'_, F>,
+        slab: impl Fn(&Self, u32) -> Option<(Vector, [f64; 2])>,
+    ) -> Vec<u32> {
+        match content {
+            Content::Below(Child::Inner(node)) => surface
+                .mesh
                 .children(node)
+                .into_iter()
                 .map(|(child, [center, half])| {
                     let half_axes = [0, 1, 2].map(|k| [0, 1, 2].map(|j| if j == k { half[k] } else { 0.0 }));
                     let mut volume = self.placed_box(part, &SlabbedBox { center, half_axes, slab: None });
                     if let Child::Inner(node) = child {
-                        volume.slab = self.slab(part, mesh, node);
+                        volume.slab = slab(self, node);
                     }
                     self.push_box(part, Content::Below(child), volume)
                 })
                 .collect(),
-            Content::Below(Child::Leaf(leaf)) => mesh
-                .leaf(leaf)
-                .held()
-                .iter()
-                .map(|&face| {
-                    let corners = mesh.corners(face).map(|corner| surface.pose.apply(corner));
+            Content::Below(Child::Leaf(leaf)) => surface
+                .mesh
+                .faces_of(leaf)
+                .into_iter()
+                .map(|face| {
+                    let corners = surface.mesh.corners(face).map(|corner| surface.pose.apply(corner));
                     let reach = AxisReach::of_points(self.motion, corners.into_iter());
                     self.push(part, Content::Face(face), Volume::Triangle(corners), reach)
                 })
                 .collect(),
             Content::Group | Content::Face(_) | Content::Whole => vec![],
-        };
-        made.iter().for_each(|&child| self.bound(child, all));
-        self.pieces[piece as usize].children.clone_from(&made);
-        made
+        }
     }
 
     /// Converts a direction of the world to the body's frame at a pose.
@@ -243,7 +266,7 @@ impl<'m> Body<'m> {
             }
             Volume::Core(_) => match self.still.parts()[piece.part as usize].form() {
                 Form::Convex(swept) => dot(along, &swept.pose.apply(farthest(&swept, along))),
-                Form::HalfSpace(_) | Form::Surface(_) => f64::INFINITY,
+                Form::HalfSpace(_) | Form::Surface(_) | Form::Field(_) => f64::INFINITY,
             },
             Volume::HalfSpace { .. } => f64::INFINITY,
         }

@@ -151,6 +151,10 @@ fn points(shape: &Shape) -> Result<Vec<[f64; 3]>, InputError> {
     Ok(match part.form() {
         Form::HalfSpace(_) => Vec::new(),
         Form::Surface(surface) => corners(surface.mesh),
+        Form::Field(field) => field
+            .mesh
+            .local_bounds()
+            .map_or(Vec::new(), |bounds| (0..8).map(|i| [0, 1, 2].map(|k| bounds[i >> k & 1][k])).collect()),
         Form::Convex(swept) => match swept.core {
             Core::Points(points) | Core::Cuboid(points) => points.to_vec(),
             Core::Hull(hull) => hull.positions().to_vec(),
@@ -190,7 +194,7 @@ fn own(shape: &PlacedShape, stand: &Stand) -> Bounds {
 fn swept(core: &MinMax, shape: &PlacedShape, stand: &Stand) -> Bounds {
     let radius = match shape.form_at(stand) {
         Form::Convex(swept) => swept.radius[1],
-        Form::HalfSpace(_) | Form::Surface(_) => 0.0,
+        Form::HalfSpace(_) | Form::Surface(_) | Form::Field(_) => 0.0,
     };
     if radius == 0.0 {
         return Bounds::Box(*core);

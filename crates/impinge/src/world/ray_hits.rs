@@ -5,7 +5,7 @@ use super::placed::Placed;
 use crate::convex::Surface;
 use crate::math::Pose;
 use crate::math::vec3::{cross, dot, length, normalized, sub};
-use crate::mesh;
+use crate::mesh::{self, HeightField};
 use crate::partition::Ray;
 use crate::query::{self, ContactOptions, Proximity, Query};
 use crate::shape::{Form, PlacedShape, Shape};
@@ -53,6 +53,7 @@ impl FirstHit {
         let part_hit = |(number, part): (u32, &PlacedShape)| {
             let (t, face) = match part.form() {
                 Form::Surface(surface) => hit_mesh(&surface, ray, enter, options)?,
+                Form::Field(field) => hit_field(&field, ray, enter, options)?,
                 Form::Convex(_) | Form::HalfSpace(_) => (hit_shape(part, ray, [enter, leave])?, None),
             };
             Some(Self { t, part: number, face })
@@ -66,9 +67,15 @@ impl FirstHit {
     pub(super) fn normal(&self, placed: &Placed, ray: &Ray) -> Option<[f64; 3]> {
         let part = placed.in_world().parts().get(self.part as usize)?;
         match (part.form(), self.face) {
-            (Form::Surface(surface), Some(face)) => face_normal(&surface, face, &ray.direction()),
+            (Form::Surface(surface), Some(face)) => {
+                face_normal(surface.mesh.face_normal(face)?, surface.pose, &ray.direction())
+            }
+            (Form::Field(field), Some(face)) => {
+                let crop = field.mesh.crop(vec![face])?;
+                face_normal(crop.mesh.face_normal(0)?, field.pose, &ray.direction())
+            }
             _ if self.t == 0.0 => None,
-            (Form::Surface(_), None) => None,
+            (Form::Surface(_) | Form::Field(_), None) => None,
             (Form::HalfSpace(half_space), _) => Some(half_space.unit_normal()),
             (Form::Convex(_), _) => {
                 let outward = normal_toward(part, ray.at(self.t))?;
@@ -85,14 +92,14 @@ impl FirstHit {
 /// the ray: 2^-11, because normals of round shapes are within 2^-12.
 const MAX_TILT: f64 = 1.0 / (1 << 11) as f64;
 
-/// Returns the unit normal of a face in the world frame. It faces against the direction; if the
-/// direction is in the plane of the face, it is on the front of the face.
-fn face_normal(surface: &Surface<'_>, face: u32, direction: &[f64; 3]) -> Option<[f64; 3]> {
-    let local = surface.mesh.face_normal(face)?;
-    let [x, y, z] = surface.pose.linear();
+/// Returns the unit normal of a face in the world frame, given that in its own frame. It faces
+/// against the direction; if the direction is in the plane of the face, it is on the front of the
+/// face.
+fn face_normal(local: [f64; 3], pose: &Pose, direction: &[f64; 3]) -> Option<[f64; 3]> {
+    let [x, y, z] = pose.linear();
     // The rows of the cofactor matrix, which is the transposed inverse times the determinant.
     let rows = [cross(y, z), cross(z, x), cross(x, y)];
-    let sign = if surface.pose.mirrors() { -1.0 } else { 1.0 };
+    let sign = if pose.mirrors() { -1.0 } else { 1.0 };
     let front = normalized(&rows.map(|row| sign * dot(&row, &local)))?;
     Some(if dot(&front, direction) > 0.0 { front.map(|x| 0.0 - x) } else { front.map(|x| x + 0.0) })
 }
@@ -118,6 +125,21 @@ fn hit_mesh(surface: &Surface<'_>, ray: &Ray, enter: f64, options: RayOptions) -
     }
     let is_fronts_only = options.culls_back_faces && !is_solid;
     let hit = if is_fronts_only { mesh.ray_cast_fronts(&local) } else { mesh.ray_cast(&local) };
+    hit.filter(|hit| hit.t <= ray.reach()).map(|hit| (hit.t, Some(hit.face)))
+}
+
+/// Returns the first hit with a height field, as [`hit_mesh`] does.
+fn hit_field(
+    field: &Surface<'_, HeightField>,
+    ray: &Ray,
+    enter: f64,
+    options: RayOptions,
+) -> Option<(f64, Option<u32>)> {
+    let inverse = Inverse::of(field.pose);
+    let origin = inverse.apply(sub(&ray.origin(), field.pose.translation()));
+    let Ok(local) = mesh::Ray::new(origin, inverse.apply(ray.direction())) else { return Some((enter, None)) };
+    let field = field.mesh;
+    let hit = if options.culls_back_faces { field.ray_cast_fronts(&local) } else { field.ray_cast(&local) };
     hit.filter(|hit| hit.t <= ray.reach()).map(|hit| (hit.t, Some(hit.face)))
 }
 

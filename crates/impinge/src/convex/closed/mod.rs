@@ -1,6 +1,6 @@
 //! Closed forms for two shapes whose cores are points, segments or boxes, and for a point and a
 //! triangle, a cylinder or a cone. A sphere is a point with a radius, a capsule a segment with a
-//! radius.
+//! radius, and any core may have the radius that its shape is rounded with.
 //!
 //! A core of the first kinds is its center plus multiples within ±1 of at most three half edges. So
 //! the set of differences of two cores is a zonotope of at most six half edges. `differences`
@@ -54,7 +54,7 @@ pub(super) fn nearness(a: &Swept<'_>, b: &Swept<'_>, clearance: f64) -> Option<P
     };
     if differences.are_boxes() {
         let answer = Slabs::of(&differences, [a, b]).proximity();
-        if answer == Proximity::Intersects || clearance == 0.0 {
+        if answer == Proximity::Intersects || a.radius[1] + b.radius[1] + clearance == 0.0 {
             return (answer != Proximity::Undecided).then_some(answer);
         }
         return decide([a, b], &differences.gap(&nearest(&differences)?.vector), clearance);

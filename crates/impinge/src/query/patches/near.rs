@@ -47,7 +47,7 @@ pub(super) fn groups_within<'r>(
 fn pairs_within(placed: [PlacedMesh<'_>; 2], margin: f64, budget: &Budget<'_>) -> Vec<[u32; 2]> {
     let surfaces = placed.each_ref().map(|placed| {
         let PlacedMesh { mesh, world_from_mesh, .. } = placed;
-        Surface { mesh, pose: world_from_mesh, is_solid: false }
+        Surface { mesh: *mesh, pose: world_from_mesh, is_solid: false }
     });
     let faces = [0, 1].map(|side| surfaces[side].faces_near_box_of(&surfaces[1 - side], margin));
     let outer = usize::from(faces[1].len() < faces[0].len());

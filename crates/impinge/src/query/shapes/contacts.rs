@@ -1,8 +1,10 @@
 //! Contacts of two things: where they touch or overlap, as a contact solver needs it.
 
+use super::fields::{Field, crop_around, crop_near, crops_near, rename, surface_of_crop};
 use super::seams::{OfParts, across_seams, remove_buried};
 use super::search::depth_by_search;
-use super::table::{gap_of_boxes, nearness_of_parts, pairs_near, surface_of};
+use super::surfaces::surface_of;
+use super::table::{gap_of_boxes, nearness_of_parts, pairs_near};
 use crate::budget::Budget;
 pub use crate::convex::Feature;
 use crate::convex::{self, Contact, Contacts, Depth, Surface, to_unit_length as unit};
@@ -173,7 +175,52 @@ fn contacts_of_parts(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Bud
             let found = of_surfaces(&surface_a, &surface_b, margin, budget);
             if found.is_empty() { of_contained(a, b, budget) } else { found }
         }
+        (Form::HalfSpace(plane), Form::Field(field)) => field.contacts_with_half_space(&plane, margin),
+        (Form::Field(field), Form::HalfSpace(plane)) => {
+            field.contacts_with_half_space(&plane, margin).into_iter().map(Contacts::swapped).collect()
+        }
+        (Form::Field(field), other) => {
+            let found = of_field(&field, b, &other, margin, budget);
+            if found.is_empty() { of_contained(a, b, budget) } else { found }
+        }
+        (other, Form::Field(field)) => {
+            let found = of_field(&field, a, &other, margin, budget);
+            if found.is_empty() {
+                return of_contained(a, b, budget);
+            }
+            found.into_iter().map(Contacts::swapped).collect()
+        }
     }
+}
+
+/// Returns the contacts of a height field, which comes first, with a part of another shape that is
+/// not a half-space.
+fn of_field(
+    field: &Field<'_>,
+    part: &PlacedShape,
+    other: &Form<'_>,
+    margin: f64,
+    budget: &Budget<'_>,
+) -> Vec<Contacts> {
+    let crops = match other {
+        Form::Convex(swept) => crop_around(field, swept, margin).map(|crop| [Some(crop), None]),
+        Form::Surface(surface) => crop_near(field, surface, margin).map(|crop| [Some(crop), None]),
+        Form::Field(other) => crops_near(field, other, margin).map(|crops| crops.map(Some)),
+        Form::HalfSpace(_) => None,
+    };
+    let Some([Some(crop), other_crop]) = crops else { return Vec::new() };
+    let surface = surface_of_crop(&crop, field);
+    let mut found = match (other, &other_crop) {
+        (Form::Convex(swept), _) => surface.contacts(&part.faceted(*swept), margin, budget),
+        (Form::Surface(other), _) => of_surfaces(&surface, other, margin, budget),
+        (Form::Field(other), Some(crop)) => of_surfaces(&surface, &surface_of_crop(crop, other), margin, budget),
+        (Form::Field(_) | Form::HalfSpace(_), _) => Vec::new(),
+    };
+    rename(&mut found, 0, &crop);
+    if let Some(crop) = &other_crop {
+        rename(&mut found, 1, crop);
+    }
+    found
 }
 
 /// Returns the one contact of two shapes if one is inside the other without touching its surface:

@@ -2,7 +2,7 @@
 //!
 //! `search` starts from them. Tests: `tests/it/solids/depths.rs`.
 
-use super::table::surface_of;
+use super::surfaces::surface_of;
 use crate::budget::Budget;
 use crate::convex::{Core, Surface, Swept, depth, to_unit_length};
 use crate::hull::Hull;
@@ -132,6 +132,7 @@ fn depth_in(plane: &crate::convex::HalfSpace<'_>, form: &Form<'_>) -> f64 {
     match form {
         Form::Convex(shape) => plane.depth(shape).upper,
         Form::Surface(surface) => plane.depth_of_surface(surface).map_or(0.0, |depth| depth.upper),
+        Form::Field(field) => plane.depth_of_surface(field).map_or(0.0, |depth| depth.upper),
         Form::HalfSpace(_) => f64::INFINITY,
     }
 }

@@ -1,16 +1,19 @@
 //! Queries about two shapes: the table of pairs of representations, the search for a depth, and
 //! contacts.
 //!
-//! `table` chooses the kernel for two parts by their representations. `search` finds the depth of
+//! `table` chooses the kernel for two parts by their representations; `surfaces` has those of two
+//! meshes, `fields` those of height fields and meshes. `search` finds the depth of
 //! shapes that are not convex, with `directions`, `beyond` and `spheres`. `contacts` makes
 //! manifolds, with `seams` for those of compounds.
 
 mod beyond;
 pub(super) mod contacts;
 mod directions;
+mod fields;
 mod seams;
 pub(super) mod search;
 mod spheres;
+mod surfaces;
 pub(super) mod table;
 
 use super::Proximity;

@@ -116,7 +116,7 @@ fn others_near(shape: &PlacedShape, own: u32, point: [f64; 3], near: f64) -> Vec
     let is_near = |part: u32| match shape.parts()[part as usize].form() {
         Form::Convex(other) => convex::nearness(&other, &point, near) == Proximity::Intersects,
         Form::HalfSpace(plane) => plane.nearness(&point, near) == Proximity::Intersects,
-        Form::Surface(_) => false,
+        Form::Surface(_) | Form::Field(_) => false,
     };
     shape.parts_near(Some([corner[0]; 2]), near).into_iter().filter(|&part| part != own && is_near(part)).collect()
 }

@@ -19,7 +19,8 @@
 use super::beyond::shortest_beyond;
 use super::directions::{along_axes, directions, scaled, separating_length, surfaces};
 use super::spheres::spheres_in_both;
-use super::table::{separation, surface_of};
+use super::surfaces::surface_of;
+use super::table::separation;
 use crate::budget::Budget;
 use crate::convex::{Depth, Separation, Surface};
 use crate::math::Pose;

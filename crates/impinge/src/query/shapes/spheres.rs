@@ -10,7 +10,7 @@
 //! Lemaréchal, *An extension of Davidon methods to non differentiable problems*, Mathematical
 //! Programming Study 3, 1975 (bundles of slopes).
 
-use super::table::surface_of;
+use super::surfaces::surface_of;
 use crate::budget::Budget;
 use crate::convex::{self, Core, Surface, Swept, depth, nearest_of_hull};
 use crate::math::Pose;
@@ -189,6 +189,7 @@ fn sphere_in_part(part: &PlacedShape, point: &Vector, known: Option<&InnerSphere
             (convex::nearness(&shape, &swept, 0.0) == Proximity::Intersects).then(|| depth(&shape, &swept))
         }
         Form::HalfSpace(plane) => (plane.nearness(&swept, 0.0) == Proximity::Intersects).then(|| plane.depth(&swept)),
+        Form::Field(_) => return None,
         Form::Surface(surface) => {
             let is_known = known.is_some_and(|known| length(&sub(point, &known.center)) < known.radius);
             let is_inside = is_known || surface.containment(&swept) == Containment::Inside;

@@ -1,14 +1,13 @@
 //! The table of pairs: the kernel of each query for two parts, by their representations.
 //!
-//! Three representations make six pairs. A compound is compared part by part. Pairs of parts whose
-//! boxes are too far apart are skipped; if there are many parts, a tree finds the other pairs.
+//! A compound is compared part by part. Pairs of parts whose boxes are too far apart are skipped.
+//! If there are many parts, a tree finds the other pairs.
 
+use super::fields::{crop_near, crops_near, separation_of_field, separation_of_fields};
+use super::surfaces::{mesh_of, nearness_of_surfaces, separation_of_surfaces};
 use crate::budget::Budget;
-use crate::convex::{self, Depth, Separation, Surface};
-use crate::mesh::{Options, PlacedMesh, WarmStart};
-use crate::query::last_hit::LastHit;
-use crate::query::nesting::nested;
-use crate::query::{Proximity, of_meshes};
+use crate::convex::{self, Depth, Separation};
+use crate::query::Proximity;
 use crate::shape::{Form, PlacedShape};
 
 /// Returns whether two shapes are at most `clearance` apart. `clearance` must be finite and not
@@ -47,17 +46,25 @@ pub(super) fn nearness_of_parts(a: &PlacedShape, b: &PlacedShape, clearance: f64
             plane.nearness_of_surface(&surface, clearance)
         }
         (Form::Surface(a), Form::Surface(b)) => nearness_of_surfaces(mesh_of(&a), mesh_of(&b), clearance, budget),
+        (Form::Field(field), Form::Convex(shape)) | (Form::Convex(shape), Form::Field(field)) => {
+            field.nearness(&shape, clearance)
+        }
+        (Form::Field(field), Form::HalfSpace(plane)) | (Form::HalfSpace(plane), Form::Field(field)) => {
+            plane.nearness_of_surface(&field, clearance)
+        }
+        (Form::Field(field), Form::Surface(surface)) | (Form::Surface(surface), Form::Field(field)) => {
+            match crop_near(&field, &surface, clearance) {
+                Some(crop) => nearness_of_surfaces(crop.mesh.at(*field.pose), mesh_of(&surface), clearance, budget),
+                None => Proximity::Apart,
+            }
+        }
+        (Form::Field(a), Form::Field(b)) => match crops_near(&a, &b, clearance) {
+            Some([crop_a, crop_b]) => {
+                nearness_of_surfaces(crop_a.mesh.at(*a.pose), crop_b.mesh.at(*b.pose), clearance, budget)
+            }
+            None => Proximity::Apart,
+        },
     }
-}
-
-/// Returns whether two meshes are at most `clearance` apart. Without a clearance the search for an
-/// intersection is much faster if the meshes nearly coincide.
-fn nearness_of_surfaces(a: PlacedMesh<'_>, b: PlacedMesh<'_>, clearance: f64, budget: &Budget<'_>) -> Proximity {
-    let options = Options { budget, ..Options::default() };
-    if clearance == 0.0 {
-        return of_meshes::proximity(a, b, &mut LastHit::default(), &options);
-    }
-    of_meshes::nearness(a, b, clearance, &mut WarmStart::default(), &options)
 }
 
 /// Computes the distance of two shapes: the minimum over their parts. If the budget ends the query,
@@ -109,23 +116,14 @@ fn separation_of_parts(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) ->
         (Form::Convex(shape), Form::Surface(surface)) => swapped(surface.separation(&shape)),
         (Form::HalfSpace(plane), Form::Surface(surface)) => plane.separation_of_surface(&surface),
         (Form::Surface(surface), Form::HalfSpace(plane)) => swapped(plane.separation_of_surface(&surface)),
-        (Form::Surface(a), Form::Surface(b)) => {
-            // The nearest points are those of the surfaces, even if one mesh is inside the other.
-            let found = of_meshes::distance_without_cache(surface_of(&a), surface_of(&b), budget);
-            let proximity = if found.upper == 0.0 {
-                Proximity::Intersects
-            } else if budget.stopped().is_some() {
-                Proximity::Undecided
-            } else {
-                nested(mesh_of(&a), mesh_of(&b), budget)
-            };
-            let [lower, upper] = match proximity {
-                Proximity::Apart => [found.lower, found.upper],
-                Proximity::Undecided => [0.0, found.upper],
-                Proximity::Intersects => [0.0; 2],
-            };
-            Separation { lower, upper, points: found.points().unwrap_or([[0.0; 3]; 2]), proximity }
-        }
+        (Form::Surface(a), Form::Surface(b)) => separation_of_surfaces(mesh_of(&a), mesh_of(&b), budget),
+        (Form::Field(field), Form::Convex(shape)) => field.separation(&shape),
+        (Form::Convex(shape), Form::Field(field)) => swapped(field.separation(&shape)),
+        (Form::Field(field), Form::HalfSpace(plane)) => swapped(plane.separation_of_surface(&field)),
+        (Form::HalfSpace(plane), Form::Field(field)) => plane.separation_of_surface(&field),
+        (Form::Field(field), Form::Surface(surface)) => separation_of_field(&field, &surface, budget),
+        (Form::Surface(surface), Form::Field(field)) => swapped(separation_of_field(&field, &surface, budget)),
+        (Form::Field(a), Form::Field(b)) => separation_of_fields(&a, &b, budget),
     }
 }
 
@@ -141,7 +139,9 @@ pub(in crate::query) fn depth(a: &PlacedShape, b: &PlacedShape) -> Option<Depth>
         (Form::HalfSpace(a), Form::HalfSpace(b)) => Some(a.depth_of_half_spaces(&b)),
         (Form::HalfSpace(plane), Form::Surface(surface)) => plane.depth_of_surface(&surface),
         (Form::Surface(surface), Form::HalfSpace(plane)) => plane.depth_of_surface(&surface).map(turned),
-        (Form::Surface(_), Form::Convex(_) | Form::Surface(_)) | (Form::Convex(_), Form::Surface(_)) => None,
+        (Form::HalfSpace(plane), Form::Field(field)) => plane.depth_of_surface(&field),
+        (Form::Field(field), Form::HalfSpace(plane)) => plane.depth_of_surface(&field).map(turned),
+        (Form::Surface(_) | Form::Field(_), _) | (_, Form::Surface(_) | Form::Field(_)) => None,
     }
 }
 
@@ -182,16 +182,6 @@ pub(super) fn gap_of_boxes(a: &PlacedShape, b: &PlacedShape) -> f64 {
     let (Some([min_a, max_a]), Some([min_b, max_b])) = (a.bounds(), b.bounds()) else { return 0.0 };
     let gap = |k: usize| f64::max(min_b[k] - max_a[k], min_a[k] - max_b[k]);
     gap(0).max(gap(1)).max(gap(2)).next_down().max(0.0)
-}
-
-/// Returns the surface of a mesh, whether it is solid or not.
-pub(super) fn surface_of<'a>(surface: &Surface<'a>) -> PlacedMesh<'a> {
-    surface.mesh.at(*surface.pose)
-}
-
-/// Returns the mesh as it is given, as its surface or as a solid.
-fn mesh_of<'a>(surface: &Surface<'a>) -> PlacedMesh<'a> {
-    PlacedMesh { is_solid: surface.is_solid, ..surface_of(surface) }
 }
 
 fn swapped(mut found: Separation) -> Separation {

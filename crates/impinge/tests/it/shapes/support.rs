@@ -23,6 +23,10 @@ pub(crate) enum Known {
     Ellipsoid([f64; 3]),
     Custom(Vec<[f64; 3]>),
     HalfSpace([f64; 3], f64),
+    /// The hull of two spheres, by their centers and radii.
+    Tapered([[f64; 3]; 2], [f64; 2]),
+    /// A shape grown by a radius.
+    Rounded(Box<Known>, f64),
 }
 
 #[derive(Debug)]
@@ -65,8 +69,12 @@ impl Known {
             Self::Cone(0.75, 0.5),
             Self::Ellipsoid([0.5, 0.75, 1.0]),
             Self::Hull(tetrahedron.clone()),
-            Self::Custom(tetrahedron),
+            Self::Custom(tetrahedron.clone()),
             Self::HalfSpace([1.0, -2.0, 0.5], 0.25),
+            Self::Tapered([[0.0, 0.0, -0.5], [0.25, 0.0, 0.75]], [0.625, 0.25]),
+            Self::Rounded(Box::new(Self::Cuboid([0.5, 0.25, 0.75])), 0.25),
+            Self::Rounded(Box::new(Self::Hull(tetrahedron.iter().map(|p| p.map(|x| 0.75 * x)).collect())), 0.125),
+            Self::Rounded(Box::new(Self::Cone(0.5, 0.5)), 0.25),
         ]
     }
 
@@ -87,6 +95,8 @@ impl Known {
             Self::Ellipsoid(half_axes) => Shape::ellipsoid(*half_axes),
             Self::Custom(points) => Shape::custom(Arc::new(Corners(points.clone()))),
             Self::HalfSpace(normal, level) => Shape::half_space(*normal, *level),
+            Self::Tapered([start, end], radii) => Shape::tapered_capsule(*start, *end, *radii),
+            Self::Rounded(inner, radius) => inner.shape().rounded(*radius),
         };
         shape.expect("in range")
     }
@@ -108,6 +118,11 @@ impl Known {
             Self::Cone(half_height, radius) => (half_height * n[2]).max(radius * across - half_height * n[2]),
             Self::Ellipsoid(half_axes) => (0..3).map(|k| (half_axes[k] * n[k]).powi(2)).sum::<f64>().sqrt(),
             Self::HalfSpace(..) => f64::INFINITY,
+            Self::Tapered(ends, radii) => {
+                let height = |end: usize| dot(n, &ends[end]) + radii[end] * dot(n, n).sqrt();
+                height(0).max(height(1))
+            }
+            Self::Rounded(inner, radius) => inner.height(n) + radius * dot(n, n).sqrt(),
         }
     }
 }

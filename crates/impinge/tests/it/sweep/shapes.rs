@@ -20,6 +20,9 @@ fn falling_shapes_land_at_their_exact_times() {
         (Shape::cuboid([1.0, 2.0, 0.5]).unwrap(), 0.5),
         (Shape::cylinder(2.0, 1.0).unwrap(), 2.0),
         (Shape::ellipsoid([1.0, 2.0, 3.0]).unwrap(), 3.0),
+        (Shape::tapered_capsule([0.0; 3], [4.0, 0.0, 1.0], [1.0, 2.5]).unwrap(), 1.5),
+        (Shape::cuboid([1.0, 2.0, 0.5]).unwrap().rounded(0.25).unwrap(), 0.75),
+        (Shape::cone(1.0, 2.0).unwrap().rounded(0.5).unwrap(), 1.5),
     ] {
         let truth = (4.0 - lowest) / 8.0;
         let impact = time_of_impact(&shape, &floor, &fall, &Motion::default()).unwrap();

@@ -60,7 +60,7 @@ fn normals_of_solids_equal_their_closed_forms() {
     type Normal = fn(Vector) -> Option<Vector>;
     const FINE: f64 = 1e-11;
     const ROUND: f64 = 1.0 / (1 << 12) as f64;
-    let shapes: [(Shape, Normal, f64); 6] = [
+    let shapes: [(Shape, Normal, f64); 8] = [
         (Shape::sphere([0.0; 3], 1.0).unwrap(), |p| Some(unit(p)), FINE),
         (
             Shape::capsule([0.0, 0.0, -1.0], [0.0, 0.0, 1.0], 0.5).unwrap(),
@@ -71,6 +71,12 @@ fn normals_of_solids_equal_their_closed_forms() {
         (Shape::half_space([0.0, 3.0, 4.0], 1.0).unwrap(), |_| Some([0.0, 0.6, 0.8]), FINE),
         (Shape::ellipsoid([1.0, 0.5, 0.25]).unwrap(), |[x, y, z]| Some(unit([x, 4.0 * y, 16.0 * z])), ROUND),
         (Shape::cylinder(1.0, 0.5).unwrap(), of_cylinder, ROUND),
+        (
+            Shape::cuboid([0.75, 0.25, 0.5]).unwrap().rounded(0.25).unwrap(),
+            |[x, y, z]| Some(unit([x - x.clamp(-0.75, 0.75), y - y.clamp(-0.25, 0.25), z - z.clamp(-0.5, 0.5)])),
+            ROUND,
+        ),
+        (Shape::tapered_capsule([0.0; 3], [0.0, 0.0, 1.25], [1.0, 0.25]).unwrap(), of_tapered_capsule, ROUND),
     ];
     let mut rng = Rng::new(331);
     for (shape, normal, error) in &shapes {
@@ -112,6 +118,17 @@ fn of_cylinder([x, y, z]: Vector) -> Option<Vector> {
         () if above > beyond => Some([0.0, 0.0, z.signum()]),
         () => Some(unit([x, y, 0.0])),
     }
+}
+
+/// Returns the normal of the tapered capsule whose side leans by a sine of 3/5.
+fn of_tapered_capsule([x, y, z]: Vector) -> Option<Vector> {
+    let across = x.hypot(y);
+    let along = 0.8 * z - 0.6 * across;
+    Some(match along {
+        _ if along < 0.0 => unit([x, y, z]),
+        _ if along > 1.0 => unit([x, y, z - 1.25]),
+        _ => unit([0.8 * x / across, 0.8 * y / across, 0.6]),
+    })
 }
 
 /// Hits of a soup of grid triangles, at signed permutations of the axes, against a loop over the
