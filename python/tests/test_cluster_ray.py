@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 from impinge.cluster import _calls, _parcels, _scenes, _session
 from impinge.cluster._checkpoint import Checkpoint
+from same_answers import same, same_reports
 from shapes import cube, random_poses, torus
-from test_cluster_tasks import same, same_reports
 
 ray = pytest.importorskip("ray", reason="Ray is not installed")
 cluster_utils = pytest.importorskip("ray.cluster_utils", reason="Ray is not installed with its test utilities")

@@ -1,8 +1,6 @@
 """Calls that are cut into tasks, without Ray: an engine in its place runs them in any order."""
 
 import json
-import pickle
-import random
 import sys
 import weakref
 
@@ -11,64 +9,11 @@ import numpy as np
 import pytest
 from impinge.cluster import _calls, _command, _parcels, _scenes, _session
 from impinge.cluster._checkpoint import Checkpoint
+from in_process_engine import Engine
+from same_answers import same, same_reports
 from shapes import cube, random_poses, torus
 
 CUBE, TORUS = impinge.Mesh(*cube()), impinge.Mesh(*torus())
-
-
-class Engine:
-    """The functions of Ray that are used, in this process. Arguments and answers are pickled."""
-
-    class exceptions:  # noqa: N801 (the name of Ray's module)
-        class RayError(Exception):
-            pass
-
-        class RayTaskError(RayError):
-            cause = None
-
-    def __init__(self):
-        self.random = random.Random(5)
-        self.started = []
-
-    def remote(self, **_):
-        return lambda function: Remote(self, function)
-
-    def put(self, value):
-        return bytes(value)
-
-    def wait(self, references, num_returns, timeout=None):
-        ready = (
-            list(references) if timeout is None else self.random.sample(references, self.random.randint(1, num_returns))
-        )
-        return ready, []
-
-    def get(self, reference):
-        try:
-            return pickle.loads(pickle.dumps(reference()))
-        except Exception as error:
-            raised = self.exceptions.RayTaskError()
-            raised.cause = error
-            raise raised from error
-
-    def cancel(self, reference):
-        pass
-
-    def cluster_resources(self):
-        return {"CPU": 3.0}
-
-
-class Remote:
-    def __init__(self, engine, function):
-        self.engine, self.function = engine, function
-
-    def options(self, name):
-        self.engine.started.append(name)
-        return self
-
-    def remote(self, version, function, places, arguments, *parcels):
-        contents = [np.frombuffer(parcel, np.uint8) for parcel in parcels]
-        pickled = pickle.dumps((version, function, places, arguments))
-        return lambda: self.function(*pickle.loads(pickled), *contents)
 
 
 @pytest.fixture
@@ -79,17 +24,6 @@ def cluster(monkeypatch):
     monkeypatch.setattr(_scenes, "_LEAST_COST", 1 << 11)
     monkeypatch.setattr(_parcels, "_PARCEL_BYTES", 1 << 16)
     return _session.Cluster(Engine(), None)
-
-
-def same(a, b):
-    """Reports whether two answers have the same types, shapes and bytes."""
-    if isinstance(a, np.ndarray):
-        return isinstance(b, np.ndarray) and (a.dtype, a.shape, a.tobytes()) == (b.dtype, b.shape, b.tobytes())
-    if isinstance(a, tuple):
-        return type(a) is type(b) and len(a) == len(b) and all(map(same, a, b))
-    if hasattr(a, "__dict__"):
-        return type(a) is type(b) and same(tuple(vars(a).items()), tuple(vars(b).items()))
-    return type(a) is type(b) and a == b
 
 
 VERBS = {
@@ -190,10 +124,6 @@ def grid_scene(count, seed):
     poses = {name: impinge.pose(place) for name, place in zip(parts, places, strict=True) if rng.random() < 0.9}
     ignored = [tuple(rng.choice(list(parts), 2)) for _ in range(count)]
     return impinge.Scene(parts, ignored=ignored, solid=bool(seed % 2)), poses
-
-
-def same_reports(a, b):
-    return same(tuple(vars(a).values()), tuple(vars(b).values()))
 
 
 @pytest.mark.parametrize("seed", range(4))
