@@ -11,7 +11,7 @@ takes an array of poses, (n, 4, 4), processes all of them in one call, on all co
 collision part of python-fcl.
 """
 
-from impinge import ccd, fit, partition
+from impinge import ccd, cluster, fit, partition
 from impinge._character import Animation, Character, Leaks, Part
 from impinge._character_pose import CharacterPose, PartHit, PartHits, PartPairs, SurfaceHit
 from impinge._contacts import ContactRows, Contacts, contacts
@@ -104,6 +104,7 @@ __all__ = [
     "WorldState",
     "__version__",
     "ccd",
+    "cluster",
     "contacts",
     "convex_hull",
     "distance",

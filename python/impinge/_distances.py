@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, Unpack, overload
+from typing import TYPE_CHECKING, Any, Literal, Unpack, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from impinge import _impinge
+from impinge._engine import engine
 from impinge._points import scalar
-from impinge._rows import Booleans, Pose, RaiseOptions, Solid, Statuses, StatusOptions, with_status
+from impinge._rows import Booleans, ClusterOptions, ClusterStatusOptions, Pose, Solid, Statuses, with_status
 from impinge._scalars import real
 from impinge._shape import AnyShape
+
+if TYPE_CHECKING:
+    from impinge.cluster import Cluster
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +57,7 @@ def distance(
     pose_b: Pose = None,
     *,
     solid: Solid = False,
-    **rows: Unpack[RaiseOptions],
+    **rows: Unpack[ClusterOptions],
 ) -> Distance: ...
 @overload
 def distance(
@@ -64,7 +67,7 @@ def distance(
     pose_b: Pose = None,
     *,
     solid: Solid = False,
-    **rows: Unpack[StatusOptions],
+    **rows: Unpack[ClusterStatusOptions],
 ) -> tuple[Distance, Statuses]: ...
 def distance(
     a: AnyShape,
@@ -75,6 +78,7 @@ def distance(
     solid: Solid = False,
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
+    on: Cluster | None = None,
 ) -> Any:
     """Compute the distance of two meshes or shapes, and their nearest points.
 
@@ -91,6 +95,8 @@ def distance(
         How to treat an invalid pose. ``"status"`` gives its row the safe answer: both bounds 0, and
         no nearest points or faces. It also returns the `Status` of each row; check it.
     progress : bool
+        As for `intersects`.
+    on : impinge.cluster.Cluster, optional
         As for `intersects`.
 
     Returns
@@ -122,7 +128,7 @@ def distance(
     >>> far.distance.round(9)
     array([2., 0.])
     """
-    return with_status(_impinge.distance((a, b, pose_a, pose_b, solid, on_error, progress)), on_error, _distance_of)
+    return with_status(engine(on).distance((a, b, pose_a, pose_b, solid, on_error, progress)), on_error, _distance_of)
 
 
 def _distance_of(columns: tuple[NDArray[Any], ...]) -> Distance:
@@ -141,7 +147,7 @@ def within(
     pose_b: Pose = None,
     *,
     solid: Solid = False,
-    **rows: Unpack[RaiseOptions],
+    **rows: Unpack[ClusterOptions],
 ) -> Booleans: ...
 @overload
 def within(
@@ -152,7 +158,7 @@ def within(
     pose_b: Pose = None,
     *,
     solid: Solid = False,
-    **rows: Unpack[StatusOptions],
+    **rows: Unpack[ClusterStatusOptions],
 ) -> tuple[Booleans, Statuses]: ...
 def within(
     a: AnyShape,
@@ -164,6 +170,7 @@ def within(
     solid: Solid = False,
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
+    on: Cluster | None = None,
 ) -> Any:
     """Report whether two meshes or shapes are at most a clearance apart, decided exactly.
 
@@ -182,6 +189,8 @@ def within(
     on_error : {"raise", "status"}
         As for `intersects`: a row with an invalid pose gets True, the safe answer.
     progress : bool
+        As for `intersects`.
+    on : impinge.cluster.Cluster, optional
         As for `intersects`.
 
     Returns
@@ -202,4 +211,4 @@ def within(
     >>> impinge.within(triangle, triangle, 0.5, pose_b=impinge.pose([[0, 0, 0.5], [0, 0, 0.5 + 1e-15]]))
     array([ True, False])
     """
-    return _impinge.within((a, b, pose_a, pose_b, solid, on_error, progress), real(clearance, "clearance", minimum=0))
+    return engine(on).within((a, b, pose_a, pose_b, solid, on_error, progress), real(clearance, "clearance", minimum=0))

@@ -31,6 +31,7 @@ __all__ = [
     "after_fork",
     "bake",
     "box_pairs",
+    "check_pairs",
     "check_scene",
     "closest_point",
     "closing_tolerance",
@@ -45,8 +46,10 @@ __all__ = [
     "fit_volume",
     "health",
     "intersecting_pairs",
+    "intersecting_pairs_in",
     "intersection_curves",
     "intersects",
+    "leading_axes",
     "manager_any",
     "manager_contacts",
     "manager_each_by_gap",
@@ -66,6 +69,7 @@ __all__ = [
     "ray_cast_all",
     "repaired",
     "run_command",
+    "scene_candidates",
     "self_intersecting_pairs",
     "shape_ray_cast",
     "signed_distance",
@@ -120,7 +124,7 @@ class Model:
         max_triangles: int | None = None,
     ) -> Self: ...
     @staticmethod
-    def of_baked(baked: memoryview) -> Model: ...
+    def of_baked(baked: memoryview, is_constant: bool) -> Model: ...
     @property
     def format(self) -> str: ...
     @property
@@ -318,7 +322,7 @@ _Question: TypeAlias = tuple[Any, Any, Any, Any, Any, Any, bool]
 _Hits: TypeAlias = tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]
 """Ray parameters, faces and points of hits."""
 
-_OriginData: TypeAlias = tuple[list[int], list[int], list[str], str | None]
+_OriginData: TypeAlias = tuple[list[int], list[int], list[str], str | None] | None
 """Polygons and parts of the faces, names of the parts, and the unit."""
 
 _Numbers: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -332,9 +336,11 @@ def after_fork() -> None: ...
 def run_command(arguments: list[str]) -> int: ...
 def bake(mesh: Any, path: str, about: _OriginData, with_proxies: bool) -> None: ...
 def to_baked(mesh: Any, about: _OriginData, with_proxies: bool) -> bytes: ...
+def leading_axes(question: _Question) -> list[int]: ...
 def intersects(question: _Question) -> Any: ...
 def penetrates(question: _Question) -> Any: ...
 def intersecting_pairs(question: _Question, limit: int | None) -> Any: ...
+def intersecting_pairs_in(question: _Question, index: int, of: int) -> NDArray[np.uint32]: ...
 def intersection_curves(question: _Question) -> Any: ...
 def distance(question: _Question) -> Any: ...
 def within(question: _Question, clearance: float) -> Any: ...
@@ -356,6 +362,12 @@ def check_scene(
     on_error: Any,
     progress: bool,
 ) -> Any: ...
+def scene_candidates(
+    parts: list[tuple[str, Any, bool, Any]], ignored: list[tuple[int, int]], question: tuple[str, float], on_error: Any
+) -> tuple[list[int], tuple[int, NDArray[np.uint32], NDArray[np.float64]] | None]: ...
+def check_pairs(
+    parts: list[tuple[str, Any, bool, Any]], pairs: NDArray[np.uint32], question: tuple[str, float]
+) -> tuple[NDArray[np.uint32], NDArray[np.bool_]]: ...
 def time_of_impact(
     moving: tuple[Any, Any, Any, Any, Any, bool], clearance: float, ignore_touch: bool
 ) -> tuple[

@@ -6,17 +6,31 @@ To add a query on two things, add a function here or in ``_distances.py``, its i
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple, Unpack, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Unpack, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from impinge import _impinge
+from impinge._engine import engine
 from impinge._mesh import Mesh
 from impinge._pairs import Pairs
-from impinge._rows import Booleans, Pose, RaiseOptions, Solid, Statuses, StatusOptions, with_status
+from impinge._rows import (
+    Booleans,
+    ClusterOptions,
+    ClusterStatusOptions,
+    Pose,
+    RaiseOptions,
+    Solid,
+    Statuses,
+    StatusOptions,
+    with_status,
+)
 from impinge._scalars import whole
 from impinge._shape import AnyShape
+
+if TYPE_CHECKING:
+    from impinge.cluster import Cluster
 
 
 @overload
@@ -29,7 +43,7 @@ def intersects(
     pose_b: Pose = None,
     *,
     solid: Solid = False,
-    **rows: Unpack[RaiseOptions],
+    **rows: Unpack[ClusterOptions],
 ) -> Booleans: ...
 @overload
 def intersects(
@@ -39,7 +53,7 @@ def intersects(
     pose_b: Pose = None,
     *,
     solid: Solid = False,
-    **rows: Unpack[StatusOptions],
+    **rows: Unpack[ClusterStatusOptions],
 ) -> tuple[Booleans, Statuses]: ...
 def intersects(
     a: AnyShape,
@@ -50,6 +64,7 @@ def intersects(
     solid: Solid = False,
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
+    on: Cluster | None = None,
 ) -> Any:
     """Report whether two meshes or shapes have a point in common; touching counts.
 
@@ -79,6 +94,9 @@ def intersects(
         row, the safe answer, and also returns the `Status` of each row.
     progress : bool
         Whether to show the number of finished rows in one line of stderr during the call.
+    on : impinge.cluster.Cluster, optional
+        The cluster that divides the rows among its nodes, from `impinge.cluster.ray`. The answer is
+        the same. Without it, the call runs on the threads of this process.
 
     Returns
     -------
@@ -114,18 +132,18 @@ def intersects(
     >>> [impinge.intersects(large, large, None, inside, solid=solid) for solid in (False, "a", "b", True)]
     [False, True, False, True]
     """
-    return _impinge.intersects((a, b, pose_a, pose_b, solid, on_error, progress))
+    return engine(on).intersects((a, b, pose_a, pose_b, solid, on_error, progress))
 
 
 @overload
 def penetrates(a: AnyShape, b: AnyShape) -> bool: ...
 @overload
 def penetrates(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[RaiseOptions]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[ClusterOptions]
 ) -> Booleans: ...
 @overload
 def penetrates(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[StatusOptions]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[ClusterStatusOptions]
 ) -> tuple[Booleans, Statuses]: ...
 def penetrates(
     a: AnyShape,
@@ -135,6 +153,7 @@ def penetrates(
     *,
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
+    on: Cluster | None = None,
 ) -> Any:
     """Report whether the interiors of two meshes or shapes intersect; touching does not count.
 
@@ -150,6 +169,8 @@ def penetrates(
     on_error : {"raise", "status"}
         As for `intersects`: a row with an invalid pose gets True, the safe answer.
     progress : bool
+        As for `intersects`.
+    on : impinge.cluster.Cluster, optional
         As for `intersects`.
 
     Returns
@@ -177,7 +198,7 @@ def penetrates(
     >>> impinge.penetrates(part, part, None, poses)
     array([False,  True])
     """
-    return _impinge.penetrates((a, b, pose_a, pose_b, False, on_error, progress))
+    return engine(on).penetrates((a, b, pose_a, pose_b, False, on_error, progress))
 
 
 class LimitedPairs(NamedTuple):
@@ -194,11 +215,11 @@ class LimitedPairs(NamedTuple):
 def intersecting_pairs(a: Mesh, b: Mesh, *, limit: None = None) -> NDArray[np.uint32]: ...
 @overload
 def intersecting_pairs(
-    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: None = None, **rows: Unpack[RaiseOptions]
+    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: None = None, **rows: Unpack[ClusterOptions]
 ) -> NDArray[np.uint32] | Pairs: ...
 @overload
 def intersecting_pairs(
-    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: int, **rows: Unpack[RaiseOptions]
+    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: int, **rows: Unpack[ClusterOptions]
 ) -> LimitedPairs: ...
 @overload
 def intersecting_pairs(
@@ -208,7 +229,7 @@ def intersecting_pairs(
     pose_b: Pose = None,
     *,
     limit: int | None = None,
-    **rows: Unpack[StatusOptions],
+    **rows: Unpack[ClusterStatusOptions],
 ) -> tuple[NDArray[np.uint32] | Pairs | LimitedPairs, Statuses]: ...
 def intersecting_pairs(
     a: Mesh,
@@ -219,6 +240,7 @@ def intersecting_pairs(
     limit: int | None = None,
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
+    on: Cluster | None = None,
 ) -> Any:
     """Return all pairs of faces, one of each mesh, that have a point in common; decided exactly.
 
@@ -236,6 +258,8 @@ def intersecting_pairs(
         the `Status` of each row. Check the status: for an invalid pose, an empty result does not
         mean that the meshes are apart.
     progress : bool
+        As for `intersects`.
+    on : impinge.cluster.Cluster, optional
         As for `intersects`.
 
     Returns
@@ -264,7 +288,7 @@ def intersecting_pairs(
     (2, True)
     """
     max_pairs = None if limit is None else whole(limit, "limit")
-    answer = _impinge.intersecting_pairs((a, b, pose_a, pose_b, False, on_error, progress), max_pairs)
+    answer = engine(on).intersecting_pairs((a, b, pose_a, pose_b, False, on_error, progress), max_pairs)
 
     def convert(found: Any) -> NDArray[np.uint32] | Pairs | LimitedPairs:
         if len(found) == _SINGLE:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from impinge import _arrays, _impinge
+from impinge._baked import opened
 from impinge._errors import InputError
 from impinge._inspection import Health, Repair, TreeStatistics
 from impinge._mesh_points import PointQueries
@@ -104,8 +105,9 @@ class Mesh(PointQueries):
         Parameters
         ----------
         baked : bytes or any object with a buffer of bytes
-            For example an ``mmap.mmap`` or the ``buf`` of a ``SharedMemory``. It must hold exactly
-            the baked bytes, contiguous; copied once. `impinge.load` opens files without a copy.
+            It must hold exactly the baked bytes, contiguous. They are used in place and kept alive
+            if the object and all that it is a view of are read-only, and they start at a multiple
+            of 64; do not write to them by other means. Otherwise they are copied once.
 
         Raises
         ------
@@ -121,8 +123,7 @@ class Mesh(PointQueries):
         >>> impinge.Mesh.from_baked(mesh.to_baked())
         Mesh(3 vertices, 1 faces)
         """
-        view = memoryview(baked)
-        model = _impinge.Model.of_baked(view if (view.format, view.ndim) == ("B", 1) else view.cast("B"))
+        model = opened(baked)
         return cls._of(model, origin_of(model, ""))
 
     @property
@@ -363,11 +364,10 @@ class Mesh(PointQueries):
         """
         return _impinge.to_baked(self, self._origin_data(), flag(proxies, "proxies"))
 
-    def _origin_data(self) -> tuple[list[int], list[int], list[str], str | None]:
+    def _origin_data(self) -> tuple[list[int], list[int], list[str], str | None] | None:
         """Return the data of `origin` in the form that the extension takes."""
-        if self._origin is None:
-            return list(range(self.face_count)), [0] * self.face_count, [""], None
-        origin = self._origin
+        if (origin := self._origin) is None:
+            return None
         return origin.polygons.tolist(), origin.part_of.tolist(), list(origin.parts), origin.unit
 
     def _snapshot(self) -> Mesh:

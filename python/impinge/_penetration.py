@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, Unpack, overload
+from typing import TYPE_CHECKING, Any, Literal, Unpack, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from impinge import _impinge
+from impinge._engine import engine
 from impinge._points import scalar
-from impinge._rows import Pose, RaiseOptions, Statuses, StatusOptions, with_status
+from impinge._rows import ClusterOptions, ClusterStatusOptions, Pose, Statuses, with_status
 from impinge._shape import AnyShape
+
+if TYPE_CHECKING:
+    from impinge.cluster import Cluster
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +49,11 @@ class Penetration:
 
 @overload
 def penetration(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[RaiseOptions]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[ClusterOptions]
 ) -> Penetration: ...
 @overload
 def penetration(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[StatusOptions]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[ClusterStatusOptions]
 ) -> tuple[Penetration, Statuses]: ...
 def penetration(
     a: AnyShape,
@@ -60,6 +63,7 @@ def penetration(
     *,
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
+    on: Cluster | None = None,
 ) -> Any:
     """Compute how deep two meshes or shapes penetrate each other, and how to separate them.
 
@@ -74,6 +78,8 @@ def penetration(
         As for `intersects`. For an invalid pose the bounds are zero and infinity, the vectors are
         zero, and `hit` is True.
     progress : bool
+        As for `intersects`.
+    on : impinge.cluster.Cluster, optional
         As for `intersects`.
 
     Returns
@@ -101,7 +107,7 @@ def penetration(
     >>> round(deep.depth, 9), deep.normal
     (0.5, array([1., 0., 0.]))
     """
-    answer = _impinge.penetration((a, b, pose_a, pose_b, False, on_error, progress))
+    answer = engine(on).penetration((a, b, pose_a, pose_b, False, on_error, progress))
     return with_status(answer, on_error, _penetration_of)
 
 

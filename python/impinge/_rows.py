@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NotRequired, TypeAlias, TypedDict
+from typing import TYPE_CHECKING, Any, Literal, NotRequired, TypeAlias, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from impinge.cluster import Cluster
 
 Pose: TypeAlias = ArrayLike | None
 """Matrices (..., 4, 4), world from mesh; None is the identity."""
@@ -24,11 +27,23 @@ class RaiseOptions(TypedDict, total=False):
     progress: bool
 
 
+class ClusterOptions(RaiseOptions, total=False):
+    """Options of a call that raises an error, and may run on a cluster."""
+
+    on: Cluster | None
+
+
 class StatusOptions(TypedDict):
     """Options of a call that returns the safe answer and a status for an invalid pose."""
 
     on_error: Literal["status"]
     progress: NotRequired[bool]
+
+
+class ClusterStatusOptions(StatusOptions):
+    """Options of a call that returns a status, and may run on a cluster."""
+
+    on: NotRequired[Cluster | None]
 
 
 def with_status(answer: Any, on_error: str, convert: Any) -> Any:

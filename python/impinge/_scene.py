@@ -6,17 +6,20 @@ from bisect import bisect_left
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from itertools import combinations
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from impinge import _impinge
+from impinge._engine import engine
 from impinge._errors import InputError
 from impinge._mesh import Mesh
 from impinge._rows import Statuses
 from impinge._scalars import chosen, flag, real
 from impinge._shape import AnyShape, Shape
+
+if TYPE_CHECKING:
+    from impinge.cluster import Cluster
 
 
 class SceneReport:
@@ -218,6 +221,7 @@ class Scene:
         stop: Literal["first", "all"] = "first",
         on_error: Literal["raise", "status"] = "raise",
         progress: bool = False,
+        on: Cluster | None = None,
     ) -> SceneReport:
         """Check all pairs of parts in each configuration.
 
@@ -242,6 +246,9 @@ class Scene:
             found in that configuration.
         progress : bool
             As for `intersects`.
+        on : impinge.cluster.Cluster, optional
+            The cluster that divides the configurations among its nodes, or the pairs if there is
+            one configuration and all its pairs are wanted. The report is the same.
 
         Returns
         -------
@@ -276,7 +283,7 @@ class Scene:
         limit = 0.0 if clearance is None else real(clearance, "clearance", minimum=0)
         parts = [(name, part, self._solid, poses.get(name)) for name, part in self._parts.items()]
         first, ignored = stop == "first", sorted(self._ignored_places())
-        answer: Any = _impinge.check_scene(parts, ignored, (question, limit), first, on_error, progress)
+        answer: Any = engine(on).check_scene(parts, ignored, (question, limit), first, on_error, progress)
         status: Statuses | None = None
         if on_error == "status":
             answer, status = answer

@@ -159,13 +159,11 @@ def test_a_baked_mesh_is_read_from_any_buffer(tmp_path):
     try:
         shared.buf[: len(baked)] = baked
         array = np.frombuffer(b"." + baked, np.uint8)[1:]  # not aligned
-        with (
-            open(tmp_path / "human.impinge", "rb") as file,
-            mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as map_,
-        ):
-            held = [baked, bytearray(baked), memoryview(baked), array, map_, shared.buf[: len(baked)]]
-            meshes = [impinge.Mesh.from_baked(buffer) for buffer in held]
-            del held
+        with open(tmp_path / "human.impinge", "rb") as file:
+            held = [baked, bytearray(baked), memoryview(baked), array, shared.buf[: len(baked)]]
+            held.append(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
+        meshes = [impinge.Mesh.from_baked(buffer) for buffer in held]
+        del held
         wide = np.frombuffer(baked + b"\0" * (-len(baked) % 8), np.uint64)
         if len(baked) % 8 == 0:
             meshes.append(impinge.Mesh.from_baked(wide.reshape(1, -1)))

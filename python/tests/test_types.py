@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import impinge
+import impinge.cluster
 import impinge.fcl
 import impinge.fit
 import impinge.trimesh
@@ -81,7 +82,9 @@ def test_inferred_types_are_precise(tmp_path):
     run(sys.executable, "-m", "mypy", "--cache-dir", "target/mypy", "--config-file", str(config), str(program))
 
 
-@pytest.mark.parametrize("module", [impinge, impinge.fcl, impinge.fit, impinge.partition, impinge.trimesh])
+@pytest.mark.parametrize(
+    "module", [impinge, impinge.cluster, impinge.fcl, impinge.fit, impinge.partition, impinge.trimesh]
+)
 def test_every_public_name_is_documented(module):
     for name in module.__all__:
         thing = getattr(module, name)

@@ -10,9 +10,10 @@ use toml::Value;
 
 use crate::sources::{self, Violation};
 
-/// Modules that may write `unsafe`, each a file or a folder: vector instructions, and the memory
-/// map of baked files.
-const HOMES: [&str; 2] = ["crates/impinge/src/simd", "crates/impinge-files/src/memory_map"];
+/// Modules that may write `unsafe`, each a file or a folder: vector instructions, the memory map of
+/// baked files, and bytes that a Python object lends.
+const HOMES: [&str; 3] =
+    ["crates/impinge/src/simd", "crates/impinge-files/src/memory_map", "crates/impinge-python/src/lent_bytes"];
 
 /// Finds `unsafe`, and lints that would permit it, outside [`HOMES`] in every source file and
 /// manifest below `root`.

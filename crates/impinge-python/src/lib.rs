@@ -16,6 +16,7 @@ mod fcl_geometry;
 mod fcl_object;
 mod fcl_work;
 mod inspection;
+mod lent_bytes;
 mod limits;
 mod manager_contacts;
 mod manager_queries;
@@ -31,6 +32,7 @@ mod poses;
 mod question;
 mod rays;
 mod scene;
+mod scene_shares;
 mod shape_rays;
 mod shapes;
 mod solid_bsp;
@@ -96,6 +98,8 @@ mod _impinge {
     #[pymodule_export]
     use super::scene::check_scene;
     #[pymodule_export]
+    use super::scene_shares::{check_pairs, scene_candidates};
+    #[pymodule_export]
     use super::shape_rays::shape_ray_cast;
     #[pymodule_export]
     use super::shapes::ShapeBase;
@@ -103,7 +107,8 @@ mod _impinge {
     use super::solid_bsp::SolidBspCore;
     #[pymodule_export]
     use super::verbs::{
-        contacts_of, intersecting_pairs, intersection_curves, intersects, penetrates, self_intersecting_pairs,
+        contacts_of, intersecting_pairs, intersecting_pairs_in, intersection_curves, intersects, leading_axes,
+        penetrates, self_intersecting_pairs,
     };
     #[pymodule_export]
     use super::volumes::{convex_hull, fit_volume, proxies};

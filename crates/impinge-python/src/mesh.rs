@@ -56,6 +56,15 @@ impl MeshBase {
         Self { state: Mutex::new(State::new(mesh.clone(), is_double)), faces: Arc::new(PyOnceLock::new()) }
     }
 
+    /// Replaces the current mesh, unless `keep` reports that it stays. The old one is dropped after
+    /// the lock is released, because it may run code of Python: that of the owner of lent bytes.
+    fn replace(&self, state: State, keep: impl FnOnce(&State) -> bool) {
+        let mut current = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let old = if keep(&current) { state } else { std::mem::replace(&mut *current, state) };
+        drop(current);
+        drop(old);
+    }
+
     /// Returns a snapshot of the current mesh. Later changes do not affect the snapshot.
     fn state(&self) -> State {
         self.state.lock().unwrap_or_else(PoisonError::into_inner).clone()
@@ -109,7 +118,7 @@ impl MeshBase {
     /// Moves the vertices. A query that runs at the same time uses the mesh as it was before.
     fn move_vertices(&self, vertices: &Bound<'_, PyAny>) -> PyResult<()> {
         let state = refitted(&self.state().mesh, vertices)?;
-        *self.state.lock().unwrap_or_else(PoisonError::into_inner) = state;
+        self.replace(state, |_| false);
         Ok(())
     }
 
@@ -120,15 +129,14 @@ impl MeshBase {
             let message = format!("must be one of {}, not {builder:?}", names.join(", "));
             Fault::new("option", "builder", message).raised(py)
         })?;
-        let State { mut mesh, vertices, .. } = self.state();
+        let state = self.state();
+        let mut mesh = state.mesh.clone();
         let mesh = workers::run(py, move |_| {
             mesh.rebuild(builder);
             mesh
         })?;
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        if Arc::ptr_eq(&state.vertices, &vertices) {
-            state.mesh = mesh;
-        }
+        let vertices = state.vertices.clone();
+        self.replace(State { mesh, ..state }, |current| !Arc::ptr_eq(&current.vertices, &vertices));
         Ok(())
     }
 

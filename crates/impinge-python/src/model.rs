@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use impinge::storage::AlignedBytes;
+use impinge::storage::{AlignedBytes, SharedBytes};
 use impinge::{Mesh, Positions};
 use impinge_files::{Baked, Format, Limits, LoadError, Provenance, Unit, Warning, replace_file, write_baked};
 use pyo3::buffer::PyBuffer;
@@ -13,6 +13,7 @@ use pyo3::types::PyBytes;
 
 use crate::arrays::{array, row_array};
 use crate::errors::{Fault, file_error, load_error};
+use crate::lent_bytes::LentBytes;
 use crate::mesh::{mesh_of, proxies_of};
 use crate::workers;
 
@@ -65,14 +66,22 @@ impl Model {
         }
     }
 
-    /// Opens a copy of the bytes that `to_baked` returned, from any object with a buffer of bytes.
+    /// Opens the bytes that `to_baked` returned, from any object with a buffer of bytes. If they
+    /// are constant, read-only and aligned, they are used in place. Otherwise they are copied.
     #[staticmethod]
-    fn of_baked(py: Python<'_>, baked: &Bound<'_, PyAny>) -> PyResult<Self> {
+    fn of_baked(py: Python<'_>, baked: &Bound<'_, PyAny>, is_constant: bool) -> PyResult<Self> {
         let buffer = PyBuffer::<u8>::get(baked)?;
-        let mut bytes = AlignedBytes::zeroed(buffer.item_count());
-        buffer.copy_to_slice(py, bytes.as_mut())?;
+        let lent = if is_constant { LentBytes::of(buffer, Mesh::PARTS_ALIGNMENT) } else { Err(buffer) };
+        let bytes: SharedBytes = match lent {
+            Ok(lent) => Arc::new(lent),
+            Err(buffer) => {
+                let mut bytes = AlignedBytes::zeroed(buffer.item_count());
+                buffer.copy_to_slice(py, bytes.as_mut())?;
+                Arc::new(bytes)
+            }
+        };
         let opened = workers::run(py, move |_| {
-            let baked = Baked::from_bytes(Arc::new(bytes))?;
+            let baked = Baked::from_bytes(bytes)?;
             Ok((baked.provenance()?, baked.mesh()?, baked))
         })?;
         let (about, mesh, baked) = opened.map_err(|error: LoadError| load_error(py, &error))?;
@@ -170,8 +179,9 @@ impl Model {
     }
 }
 
-/// Origin of the faces in Python: polygons and parts, (m,), names of the parts, and the unit.
-type About = (Vec<u32>, Vec<u32>, Vec<String>, Option<String>);
+/// Origin of the faces in Python: polygons and parts, (m,), names of the parts, and the unit. It is
+/// `None` if each face is its own polygon, of one part without a name.
+type About = Option<(Vec<u32>, Vec<u32>, Vec<String>, Option<String>)>;
 
 /// Writes a mesh with its hierarchy, the origin of its faces, and optionally its proxies to a file.
 #[pyfunction]
@@ -199,17 +209,24 @@ type Writing = Box<dyn FnOnce(&mut dyn Write) -> io::Result<()>>;
 
 fn write<T: Send + 'static>(
     mesh: &Bound<'_, PyAny>,
-    (sources, part_of, parts, unit): About,
+    about: About,
     with_proxies: bool,
     to: impl FnOnce(Writing) -> io::Result<T> + Send + 'static,
 ) -> PyResult<T> {
-    let unit = unit.and_then(|unit| unit.parse().ok());
-    let provenance = Provenance { sources, part_of, parts, unit };
     let py = mesh.py();
     let (mesh, proxies) = if with_proxies { proxies_of(mesh)? } else { (mesh_of(mesh, "mesh")?, None) };
-    let written: io::Result<T> =
-        workers::run(py, move |_| to(Box::new(move |out| write_baked(&mesh, &provenance, proxies.as_ref(), out))))?;
+    let written: io::Result<T> = workers::run(py, move |_| {
+        let provenance = provenance(about, mesh.faces().len());
+        to(Box::new(move |out| write_baked(&mesh, &provenance, proxies.as_ref(), out)))
+    })?;
     Ok(written?)
+}
+
+/// Returns the provenance of a number of faces.
+fn provenance(about: About, faces: usize) -> Provenance {
+    let of_face = || ((0..faces as u32).collect(), vec![0; faces], vec![String::new()], None);
+    let (sources, part_of, parts, unit) = about.unwrap_or_else(of_face);
+    Provenance { sources, part_of, parts, unit: unit.and_then(|unit| unit.parse().ok()) }
 }
 
 /// Returns the same lengths in another unit. Each coordinate is rounded once if one unit is a whole

@@ -147,6 +147,11 @@ impl<'py> FromPyObject<'_, 'py> for Progress {
 }
 
 impl Question {
+    /// Returns the leading axes of the answers.
+    pub(crate) fn leading_axes(&self) -> &[usize] {
+        self.batch.shape()
+    }
+
     /// Returns the two things.
     pub(crate) fn things(&self) -> &[WeighedShape; 2] {
         &self.things

@@ -3,7 +3,7 @@
 use impinge::Pose;
 use impinge::budget::Stopped;
 use impinge::query::batch::{Answers, Broadcast, Execution, Poses};
-use impinge::scene::{ConfigurationsError, FoundPair, PartId, Question, Scene, Stop};
+use impinge::scene::{Configurations, ConfigurationsError, FoundPair, PartId, Question, Scene, Stop};
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 
@@ -15,7 +15,59 @@ use crate::shapes::read_shape;
 use crate::workers::{self, Call};
 
 /// A part as Python passes it: its name, its mesh or shape, whether a mesh is solid, and its poses.
-type Part<'py> = (String, Bound<'py, PyAny>, bool, Bound<'py, PyAny>);
+pub(crate) type Part<'py> = (String, Bound<'py, PyAny>, bool, Bound<'py, PyAny>);
+
+/// A scene, and the poses of its parts.
+pub(crate) struct MovedScene {
+    pub(crate) scene: Scene,
+    pub(crate) moves: Vec<(PartId, Poses)>,
+}
+
+/// Question about each pair of parts: its name and a clearance in world units.
+pub(crate) struct QuestionOption(pub(crate) Question);
+
+impl MovedScene {
+    /// Reads the parts and their poses, and the pairs of indices of parts that are ignored.
+    ///
+    /// # Errors
+    /// `InputError` if a part is not a mesh or shape, or if its poses are not an array of matrices.
+    pub(crate) fn read(py: Python<'_>, parts: &[Part<'_>], ignored: &[(usize, usize)]) -> PyResult<Self> {
+        let mut scene = Scene::new();
+        let mut moves = Vec::with_capacity(parts.len());
+        for (name, thing, is_solid, given) in parts {
+            let part = scene.add(name.clone(), &read_shape(thing, name, *is_solid)?.shape, Pose::IDENTITY);
+            let part = part.map_err(|error| Fault::new("name", "parts", error.to_string()).raised(py))?;
+            moves.push((part, poses::read(given, &argument(name))?));
+        }
+        let ids: Vec<PartId> = scene.parts().collect();
+        for &(a, b) in ignored {
+            scene.ignore(ids[a], ids[b]);
+        }
+        Ok(Self { scene, moves })
+    }
+}
+
+impl<'py> FromPyObject<'_, 'py> for QuestionOption {
+    type Error = PyErr;
+
+    fn extract(option: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let (name, clearance): (String, f64) = option.extract()?;
+        Ok(Self(match &name[..] {
+            "penetrates" => Question::Penetrates,
+            "within" => Question::Within(clearance),
+            _ => Question::Intersects,
+        }))
+    }
+}
+
+/// Returns the configurations of a scene. The poses fit, as [`check_poses`] has found.
+pub(crate) fn configurations<'s>(scene: &'s Scene, moves: &[(PartId, Poses)]) -> Configurations<'s> {
+    let mut configurations = scene.configurations();
+    for (part, poses) in moves {
+        _ = configurations.set(*part, poses.clone());
+    }
+    configurations
+}
 
 /// Returns for each configuration the pairs of parts that intersect, penetrate or come within a
 /// clearance in world units. Pairs of indices into `parts` that are `ignored` are skipped.
@@ -27,38 +79,19 @@ pub(crate) fn check_scene<'py>(
     py: Python<'py>,
     parts: Vec<Part<'py>>,
     ignored: Vec<(usize, usize)>,
-    question: (String, f64),
+    question: QuestionOption,
     first: bool,
     on_error: &Bound<'py, PyAny>,
     progress: Progress,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (wants_status, Progress(progress)) = (wants_status(on_error)?, progress);
-    let question = match (&question.0[..], question.1) {
-        ("penetrates", _) => Question::Penetrates,
-        ("within", clearance) => Question::Within(clearance),
-        _ => Question::Intersects,
-    };
-    let mut scene = Scene::new();
-    let mut moves = Vec::with_capacity(parts.len());
-    for (name, thing, is_solid, given) in &parts {
-        let part = scene.add(name.clone(), &read_shape(thing, name, *is_solid)?.shape, Pose::IDENTITY);
-        let part = part.map_err(|error| Fault::new("name", "parts", error.to_string()).raised(py))?;
-        moves.push((part, poses::read(given, &argument(name))?));
-    }
-    let ids: Vec<PartId> = scene.parts().collect();
-    for (a, b) in ignored {
-        scene.ignore(ids[a], ids[b]);
-    }
+    let QuestionOption(question) = question;
+    let MovedScene { scene, moves } = MovedScene::read(py, &parts, &ignored)?;
     let rows = check_poses(py, &scene, &moves, wants_status)?;
     let stop = if first { Stop::First } else { Stop::All };
     let call = Call { rows, is_brief: false, progress };
     let work = move |execution: Execution<'_>| -> Result<Answers<Vec<FoundPair>>, Stopped> {
-        let mut configurations = scene.configurations();
-        for (part, poses) in &moves {
-            // The poses fit, as they were checked before.
-            _ = configurations.set(*part, poses.clone());
-        }
-        scene.check(question, stop, &configurations, execution)
+        scene.check(question, stop, &configurations(&scene, &moves), execution)
     };
     let (Answers { shape, values, status }, _) = workers::execute(py, call, work)?;
     let numbers = |pair: &FoundPair| pair.parts.map(|part| part.index() as u32);
@@ -78,7 +111,12 @@ fn argument(name: &str) -> String {
 /// # Errors
 /// `InputError` if leading axes do not broadcast, or if a pose is invalid and the caller does not
 /// want a status.
-fn check_poses(py: Python<'_>, scene: &Scene, moves: &[(PartId, Poses)], wants_status: bool) -> PyResult<usize> {
+pub(crate) fn check_poses(
+    py: Python<'_>,
+    scene: &Scene,
+    moves: &[(PartId, Poses)],
+    wants_status: bool,
+) -> PyResult<usize> {
     let mut shape = Vec::new();
     let mut configurations = scene.configurations();
     for (part, poses) in moves {

@@ -2,7 +2,8 @@
 
 use impinge::Mesh;
 use impinge::query::batch::Batch;
-use impinge::query::{ContactOptions, Curves, Penetrates, Query};
+use impinge::query::{ContactOptions, Curves, Penetrates, Query, Share};
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyList};
 
@@ -12,6 +13,12 @@ use crate::errors::Fault;
 use crate::mesh::mesh_of;
 use crate::question::{Question, Replies, Search};
 use crate::workers;
+
+/// Validates the arguments of a query of two things, and returns the leading axes of its answers.
+#[pyfunction]
+pub(crate) fn leading_axes(question: Question) -> Vec<usize> {
+    question.leading_axes().to_vec()
+}
 
 /// Reports whether two things intersect: one `bool` without leading axes, or an array. An undecided
 /// answer counts as `True`.
@@ -59,6 +66,30 @@ pub(crate) fn intersecting_pairs(
                 Ok((array(py, offsets, &[places])?, pairs, shape, truncated).into_pyobject(py)?.into_any())
             }
         }
+    })
+}
+
+/// Returns the pairs of intersecting faces of one share of the search, (k, 2). There must be one
+/// row.
+#[pyfunction]
+pub(crate) fn intersecting_pairs_in(
+    py: Python<'_>,
+    question: Question,
+    index: u32,
+    of: u32,
+) -> PyResult<Bound<'_, PyAny>> {
+    both_meshes(py, &question)?;
+    let share = Share::new(index, of).ok_or_else(|| PyIndexError::new_err("there is no such share"))?;
+    let verb = move |batch: &Batch<'_>| {
+        batch.each(Vec::new(), |query, a, b| match (a.mesh(), b.mesh()) {
+            (Some(a), Some(b)) => query.intersecting_pairs_in(a, b, share),
+            _ => Vec::new(),
+        })
+    };
+    question.ask(py, Search::AllThreads, verb)?.returned(py, |values, _| {
+        let pairs: Vec<[u32; 2]> = values.into_iter().flatten().collect();
+        let count = pairs.len();
+        row_array(py, pairs, &[count])
     })
 }
 

@@ -44,8 +44,9 @@ pub use lifecycle::parts::{Flaw, Parts};
 pub use lifecycle::repair::{Repair, RepairOptions};
 #[doc(hidden)]
 pub use options::{HostChoice, Options};
-pub(crate) use pairs::descent::{any_hit, collect_intersecting, faces_intersect, first_hit};
+pub(crate) use pairs::descent::{any_hit, collect_intersecting, collect_share, faces_intersect, first_hit};
 pub(crate) use pairs::self_descent::{WantedFaces, collect_self_intersecting};
+pub use pairs::share::Share;
 pub use placed::{PlacedMesh, SolidMesh};
 pub(crate) use points::face_search::FaceSearch;
 pub use points::nearest::ClosestPoint;

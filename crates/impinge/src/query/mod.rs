@@ -74,6 +74,7 @@ mod placed;
 mod self_intersection;
 mod shapes;
 
+pub use crate::mesh::Share;
 pub use crate::volume::Proximity;
 pub use answer::{Distance, Witness};
 pub use ask::Query;

@@ -2,7 +2,7 @@
 
 use super::{Query, pair_order};
 use crate::budget::Stopped;
-use crate::mesh::{PlacedMesh, any_hit, collect_intersecting};
+use crate::mesh::{PlacedMesh, Share, any_hit, collect_intersecting, collect_share};
 
 /// Returns all pairs of faces (face of `a`, face of `b`) that have a point in common, sorted and
 /// without duplicates.
@@ -118,6 +118,32 @@ impl Query<'_> {
         let found = collect_intersecting(a.into(), b.into(), usize::MAX, &self.options);
         // Sorting many pairs takes long, and the caller of a canceled query does not want them.
         if self.options.budget.stopped() == Some(Stopped::Canceled) { Vec::new() } else { pair_order::sorted(found) }
+    }
+
+    /// Returns the pairs of one share of [`intersecting_pairs`], sorted. The shares can be computed
+    /// on different machines: all of them together have each pair once, whatever the vector units
+    /// of the machines are, if their meshes have the same hierarchies.
+    ///
+    /// ```
+    /// use impinge::query::{self, Query, Share};
+    /// use impinge::{Mesh, Positions};
+    ///
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let pile = Mesh::new(Positions::F32(corners), vec![[0, 1, 2]; 100])?;
+    /// let shares = (0..3).filter_map(|index| Share::new(index, 3));
+    /// let mut pairs: Vec<_> = shares.flat_map(|share| Query::new().intersecting_pairs_in(&pile, &pile, share)).collect();
+    /// pairs.sort_unstable();
+    /// assert_eq!(pairs, query::intersecting_pairs(&pile, &pile));
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    #[must_use]
+    pub fn intersecting_pairs_in<'a, 'b>(
+        self,
+        a: impl Into<PlacedMesh<'a>>,
+        b: impl Into<PlacedMesh<'b>>,
+        share: Share,
+    ) -> Vec<[u32; 2]> {
+        pair_order::sorted(collect_share(a.into(), b.into(), share, &self.options))
     }
 
     /// Returns the first `limit` pairs of faces (face of `a`, face of `b`) that have a point in

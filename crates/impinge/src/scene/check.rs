@@ -44,6 +44,20 @@ pub struct FoundPair {
     pub is_undecided: bool,
 }
 
+/// Broad phase of one configuration: all that is needed to divide its check among several calls of
+/// [`Scene::check_pairs`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidates {
+    /// Pairs of parts whose boxes are near each other, sorted. For all other pairs that the scene
+    /// admits, the answer is no.
+    pub pairs: Vec<[PartId; 2]>,
+    /// Lower and upper corner of the box of each part in the world, which is grown by half of a
+    /// clearance. `None` for a part that is unbounded, empty or has a faulty pose.
+    pub boxes: Vec<Option<[[f64; 3]; 2]>>,
+    /// Status of the first part with a faulty pose, or [`Status::Ok`].
+    pub status: Status,
+}
+
 impl Scene {
     /// Returns the pairs of parts for which the answer to a question is yes, at the poses of the
     /// scene, sorted. Undecided pairs are included.
@@ -84,12 +98,8 @@ impl Scene {
         configurations: &Configurations<'_>,
         execution: Execution<'_>,
     ) -> Result<Answers<Vec<FoundPair>>, Stopped> {
-        assert!(
-            std::ptr::eq(self, configurations.scene()),
-            "the configurations belong to another scene: make them with `configurations` of this scene"
-        );
         let rows = configurations.rows();
-        let mut check = Check { scene: self, question, configurations, placed_parts: Vec::new(), still: Vec::new() };
+        let mut check = Check::new(self, question, configurations);
         if rows > 0 {
             check.placed_parts = check.still_parts();
             check.still = check.still_pairs(stop, execution)?;
@@ -110,6 +120,65 @@ impl Scene {
         let answers = Answers { shape: configurations.shape().to_vec(), values, status };
         Ok(answers.mark_undecided(|pairs| pairs.iter().any(|pair| pair.is_undecided)))
     }
+
+    /// Returns the broad phase of one row of configurations. [`check_pairs`](Self::check_pairs) of
+    /// all its pairs, in any division, finds the pairs that [`check`](Self::check) finds in this
+    /// row with [`Stop::All`].
+    ///
+    /// # Errors
+    /// Returns [`Stopped`] if a limit of the budget was reached, or if memory ran out.
+    ///
+    /// # Panics
+    /// Panics if the configurations belong to another scene, or if there is no such row.
+    ///
+    /// # Complexity
+    /// About linear in the number of parts and pairs.
+    pub fn candidates(
+        &self,
+        question: Question,
+        configurations: &Configurations<'_>,
+        row: usize,
+        budget: &Budget<'_>,
+    ) -> Result<Candidates, Stopped> {
+        assert!(row < configurations.rows(), "there is no configuration {row}");
+        let check = Check::new(self, question, configurations);
+        let placed_parts: Vec<Cow<'_, PlacedPart>> =
+            self.parts().map(|part| Cow::Owned(check.placed(part, row))).collect();
+        let pairs = pairs_near(self, &placed_parts, budget, |_, _| true)?;
+        let boxes = placed_parts.iter().map(|part| part.bounds().map(|bounds| [bounds.min(), bounds.max()]));
+        Ok(Candidates { pairs, boxes: boxes.collect(), status: check.status(row) })
+    }
+
+    /// Checks some pairs of parts in one row of configurations. Returns those for which the answer
+    /// is yes, in their order; undecided pairs are included.
+    ///
+    /// # Errors
+    /// Returns [`Stopped`] if a limit of the budget of `execution` was reached, or if memory ran
+    /// out.
+    ///
+    /// # Panics
+    /// Panics if the configurations belong to another scene, or if there is no such row or part.
+    ///
+    /// # Complexity
+    /// One query for each pair.
+    pub fn check_pairs(
+        &self,
+        question: Question,
+        pairs: &[[PartId; 2]],
+        configurations: &Configurations<'_>,
+        row: usize,
+        execution: Execution<'_>,
+    ) -> Result<Vec<FoundPair>, Stopped> {
+        assert!(row < configurations.rows(), "there is no configuration {row}");
+        let check = Check::new(self, question, configurations);
+        let mut placed_parts = vec![Cow::Owned(PlacedPart::Nowhere); self.parts().len()];
+        for &part in pairs.iter().flatten() {
+            if matches!(*placed_parts[part.index()], PlacedPart::Nowhere) {
+                placed_parts[part.index()] = Cow::Owned(check.placed(part, row));
+            }
+        }
+        check.pairs(pairs, &placed_parts, execution)
+    }
 }
 
 /// Number of pairs that are checked together if the first one is wanted. With fewer, threads wait
@@ -128,7 +197,19 @@ struct Check<'c> {
     still: Vec<FoundPair>,
 }
 
-impl Check<'_> {
+impl<'c> Check<'c> {
+    /// Returns a check without placements.
+    ///
+    /// # Panics
+    /// Panics if the configurations belong to another scene.
+    fn new(scene: &'c Scene, question: Question, configurations: &'c Configurations<'c>) -> Self {
+        assert!(
+            std::ptr::eq(scene, configurations.scene()),
+            "the configurations belong to another scene: make them with `configurations` of this scene"
+        );
+        Self { scene, question, configurations, placed_parts: Vec::new(), still: Vec::new() }
+    }
+
     /// Returns the placements of the parts that have one pose in all configurations; the other
     /// parts are nowhere.
     fn still_parts(&self) -> Vec<PlacedPart> {
@@ -146,10 +227,7 @@ impl Check<'_> {
         let wave = if stop == Stop::First { PAIRS_PER_WAVE } else { pairs.len().max(1) };
         let mut found = Vec::new();
         for pairs in pairs.chunks(wave) {
-            let of_wave = quiet.rows(pairs.len(), Cache::default, |cache, at| {
-                self.pair(pairs[at], &placed_parts, cache, execution.budget())
-            })?;
-            found.extend(of_wave.into_iter().flatten());
+            found.extend(self.pairs(pairs, &placed_parts, quiet)?);
             if stop == Stop::First && !found.is_empty() {
                 found.truncate(1);
                 break;
@@ -214,6 +292,19 @@ impl Check<'_> {
         Ok(found)
     }
 
+    /// Returns the pairs for which the answer is yes, in their order.
+    fn pairs(
+        &self,
+        pairs: &[[PartId; 2]],
+        placed_parts: &[Cow<'_, PlacedPart>],
+        execution: Execution<'_>,
+    ) -> Result<Vec<FoundPair>, Stopped> {
+        let found = execution.rows(pairs.len(), Cache::default, |cache, at| {
+            self.pair(pairs[at], placed_parts, cache, execution.budget())
+        })?;
+        Ok(found.into_iter().flatten().collect())
+    }
+
     /// Returns the pair if the answer for it is yes, and `None` otherwise.
     fn pair(
         &self,
@@ -222,7 +313,11 @@ impl Check<'_> {
         cache: &mut Cache,
         budget: &Budget<'_>,
     ) -> Option<FoundPair> {
-        let [Some(a), Some(b)] = parts.map(|part| placed_parts[part.index()].placed()) else {
+        let placed = parts.map(|part| &*placed_parts[part.index()]);
+        if placed.iter().any(|part| part.is_nowhere()) {
+            return None;
+        }
+        let [Some(a), Some(b)] = placed.map(PlacedPart::placed) else {
             return Some(FoundPair { parts, is_undecided: true });
         };
         let query = Query::new().with_cache(cache).with_budget(budget);

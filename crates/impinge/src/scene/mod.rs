@@ -6,6 +6,7 @@
 //! neighboring links of a robot, and put parts into groups whose parts are not checked against each
 //! other. [`Scene::pairs`] checks all pairs of parts in their current poses. [`Scene::check`]
 //! checks many [`Configurations`], each a row of poses for the parts that move.
+//! [`Scene::candidates`] and [`Scene::check_pairs`] divide the check of one configuration.
 //!
 //! ```
 //! use impinge::query::batch::{Execution, Poses};
@@ -35,6 +36,6 @@ mod configurations;
 mod near;
 mod parts;
 
-pub use check::{FoundPair, Question, Stop};
+pub use check::{Candidates, FoundPair, Question, Stop};
 pub use configurations::{Configurations, ConfigurationsError};
 pub use parts::{PartId, Scene, SceneError};

@@ -38,7 +38,7 @@ impl PlacedPart {
     }
 
     /// Returns the box, or `None` if there is none.
-    fn bounds(&self) -> Option<&MinMax> {
+    pub(super) fn bounds(&self) -> Option<&MinMax> {
         match self {
             Self::Placed(_, bounds) => bounds.as_ref(),
             Self::Anywhere | Self::Nowhere => None,
@@ -52,7 +52,7 @@ impl PlacedPart {
         }
     }
 
-    fn is_nowhere(&self) -> bool {
+    pub(super) fn is_nowhere(&self) -> bool {
         matches!(self, Self::Nowhere)
     }
 }

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::leaf_pairs::{CACHED_GUEST_LEAVES, LeafPairs, Question};
 use super::relation::Relations;
+use super::share::Share;
 use super::sides::Sides;
 use super::wanted::{Deciding, Kept, Wanted, keep_smallest};
 use super::world_box;
@@ -34,9 +35,9 @@ const TASKS_PER_THREAD: usize = 64;
 /// one thread.
 const MIN_SHARED_TASKS: usize = 256;
 
-/// Initial capacity of the task stack in a search for a first pair: 1 KiB, which is enough for most
-/// searches. Growing it takes as long as opening a node pair.
-const FIRST_HIT_STACK_CAPACITY: usize = 128;
+/// Initial capacity of the task stack: 1 KiB, which is enough for most searches for a first pair.
+/// Growing it takes as long as opening a node pair.
+const STACK_CAPACITY: usize = 128;
 
 /// Returns any two faces that intersect, of the first and of the second mesh, or `None` if the
 /// surfaces are disjoint. Which pair it is may differ between vector units. If the budget
@@ -74,6 +75,17 @@ pub(crate) fn collect_intersecting(
     search(a, b, Wanted { kept, ..Wanted::ALL }, options)
 }
 
+/// Returns the pairs of faces (of a, of b) that intersect and are in a share, without duplicates,
+/// in no particular order.
+pub(crate) fn collect_share(
+    a: PlacedMesh<'_>,
+    b: PlacedMesh<'_>,
+    share: Share,
+    options: &Options<'_>,
+) -> Vec<[u32; 2]> {
+    search(a, b, Wanted { share, ..Wanted::ALL }, options)
+}
+
 /// Runs the descent, and returns the pairs that are wanted.
 fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Options<'_>) -> Vec<[u32; 2]> {
     if world_box::are_apart(&a, &b) {
@@ -92,7 +104,11 @@ fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Option
         stretch: relation.stretch as f32,
         edge_cross: &|| relation.edge_cross(),
     };
-    let (Some(root), true) = (descent.root(), wanted.kept > 0) else { return Vec::new() };
+    let mut tasks = Vec::with_capacity(STACK_CAPACITY);
+    wanted.share.begin(&descent, sides, [a.mesh, b.mesh].map(|mesh| mesh.faces().len()), &mut tasks);
+    if tasks.is_empty() || wanted.kept == 0 {
+        return Vec::new();
+    }
 
     let kept = Kept::new(a.mesh);
     let budget = options.budget;
@@ -101,8 +117,6 @@ fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Option
         // A search for the first pairs wants each pair to be decided before others are looked at,
         // so nothing is queued.
         let mut pairs = question.pairs(1);
-        let mut tasks = Vec::with_capacity(FIRST_HIT_STACK_CAPACITY);
-        tasks.push(root);
         if run_tasks(options, &descent, 1, &mut tasks, &mut pairs).is_break() {
             return vec![[0, 0]];
         }
@@ -110,7 +124,6 @@ fn search(a: PlacedMesh<'_>, b: PlacedMesh<'_>, wanted: Wanted, options: &Option
     }
 
     let mut first = question.pairs(CACHED_GUEST_LEAVES);
-    let mut tasks = vec![root];
     let threads = rayon::current_num_threads();
     if threads > 1 {
         let enough = MIN_SHARED_TASKS.max(TASKS_PER_THREAD * threads);

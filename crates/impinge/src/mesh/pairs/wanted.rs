@@ -4,6 +4,7 @@
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use super::share::Share;
 use crate::hierarchy::Child;
 use crate::mesh::Mesh;
 
@@ -28,11 +29,14 @@ pub(super) struct Wanted {
     pub(in crate::mesh) kept: usize,
     /// When undecided pairs are decided.
     pub(super) deciding: Deciding,
+    /// Share of the search that is run.
+    pub(super) share: Share,
 }
 
 impl Wanted {
     /// All pairs.
-    pub(in crate::mesh) const ALL: Self = Self { limit: usize::MAX, kept: usize::MAX, deciding: Deciding::Last };
+    pub(in crate::mesh) const ALL: Self =
+        Self { limit: usize::MAX, kept: usize::MAX, deciding: Deciding::Last, share: Share::WHOLE };
 }
 
 /// Removes all but the `kept` smallest pairs, which are left in no particular order.

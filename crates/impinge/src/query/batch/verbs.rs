@@ -60,6 +60,12 @@ impl<'e> Batch<'e> {
         self.broadcast.rows()
     }
 
+    /// Returns the length of each leading axis of the answers.
+    #[must_use]
+    pub fn shape(&self) -> &[usize] {
+        self.broadcast.shape()
+    }
+
     /// Returns the poses of the first and of the second thing. A pose that its thing does not
     /// accept is invalid, for example a pose of a round shape that is not rigid.
     #[must_use]

@@ -15,6 +15,7 @@ mod moving;
 mod parts;
 mod piles;
 mod real;
+mod shares;
 mod triangle_pairs;
 mod validation;
 mod ways;

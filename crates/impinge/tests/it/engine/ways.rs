@@ -1,7 +1,7 @@
 //! Pair queries with every option of the engine, none of which may change an answer.
 
 use impinge::mesh::{HostChoice, Options};
-use impinge::query::Query;
+use impinge::query::{Query, Share};
 use impinge::{Mesh, Pose, Positions, simd};
 use impinge_testkit::{Affine, Posed, cases::Precision};
 
@@ -35,13 +35,30 @@ pub(crate) fn all_options() -> impl Iterator<Item = (String, Options<'static>)> 
     })
 }
 
+/// Returns the options for all vector levels and hosts, again and again.
+pub(crate) fn options_in_turns() -> impl Iterator<Item = Options<'static>> {
+    let all: Vec<Options<'_>> = all_options().map(|(_, options)| options).collect();
+    (0..).map(move |turn: usize| all[turn % all.len()])
+}
+
 /// Runs a function on a pool of `threads` threads.
 pub(crate) fn on_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool").install(run)
 }
 
+/// Returns the pairs of all shares of the search, each of which has other options.
+fn pairs_of_shares(a: (&Mesh, &Affine), b: (&Mesh, &Affine), shares: u32) -> Vec<(u32, u32)> {
+    let (a, b) = (a.0.at(engine_pose(a.1)), b.0.at(engine_pose(b.1)));
+    let shares = (0..shares).filter_map(|index| Share::new(index, shares)).zip(options_in_turns());
+    let mut pairs: Vec<[u32; 2]> = shares
+        .flat_map(|(share, options)| Query::new().with_options(options).intersecting_pairs_in(a, b, share))
+        .collect();
+    pairs.sort_unstable();
+    pairs.into_iter().map(|[a, b]| (a, b)).collect()
+}
+
 /// Returns the intersecting pairs, after checking that all options, on one thread and on two, give
-/// the same pairs.
+/// the same pairs, and so do shares.
 pub(crate) fn pairs_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine)) -> Vec<(u32, u32)> {
     let expected = on_threads(1, || pairs(a, b, &Options::default()));
     for threads in [1, 2] {
@@ -52,6 +69,7 @@ pub(crate) fn pairs_in_every_way(a: (&Mesh, &Affine), b: (&Mesh, &Affine)) -> Ve
             }
         });
     }
+    assert!(pairs_of_shares(a, b, 3) == expected, "the shares have other pairs than the whole");
     expected
 }
 

@@ -103,6 +103,55 @@ fn scenes_report_the_pairs_of_brute_force() {
 }
 
 #[test]
+fn shares_of_the_candidates_find_the_pairs_of_a_whole_check() {
+    let mut rng = Rng::new(484);
+    let (mut hits, mut undecided, mut asked) = (0, 0, 0);
+    for round in 0..rounds(40) {
+        let count = if round.is_multiple_of(3) { 60 } else { rng.integer(1, 20) };
+        let scene = scene(&mut rng, count);
+        let mut moves = scene.configurations();
+        let parts: Vec<PartId> = scene.parts().collect();
+        for &part in &parts {
+            let mut matrices = [0; 2].map(|_| {
+                let [x, y, z] = [0; 3].map(|_| 0.5 * rng.integer(-9, 9) as f64);
+                [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]]
+            });
+            if rng.one_in(40) {
+                matrices[1][0][0] = f64::NAN;
+            } else if rng.one_in(2) {
+                continue;
+            }
+            moves.set(part, Poses::from_matrices(&[2], &matrices).unwrap()).unwrap();
+        }
+        for question in [Question::Intersects, Question::Within(0.5), Question::Penetrates] {
+            let whole = scene.check(question, Stop::All, &moves, Execution::default()).unwrap();
+            for row in 0..whole.values.len() {
+                let found = scene.candidates(question, &moves, row, &Budget::new()).unwrap();
+                assert!(found.pairs.is_sorted());
+                assert_eq!(found.boxes.len(), scene.parts().len());
+                let mut shares = Vec::new();
+                for share in found.pairs.chunks(rng.integer(1, 9) as usize) {
+                    shares.extend(scene.check_pairs(question, share, &moves, row, Execution::default()).unwrap());
+                }
+                assert_eq!(shares, whole.values[row], "round {round}, {question:?}");
+                let is_undecided = shares.iter().any(|pair| pair.is_undecided);
+                let status = if is_undecided && found.status == Status::Ok { Status::Undecided } else { found.status };
+                assert_eq!(status, whole.status[row]);
+                // A pair that is no candidate is not found either.
+                let (a, b) = (rng.choose(&parts), rng.choose(&parts));
+                let pair = [a.min(b), a.max(b)];
+                if scene.admits(a, b) && found.pairs.binary_search(&pair).is_err() {
+                    assert_eq!(scene.check_pairs(question, &[pair], &moves, row, Execution::default()).unwrap(), []);
+                }
+                (hits, undecided) = (hits + shares.len(), undecided + usize::from(found.status != Status::Ok));
+                asked += found.pairs.len();
+            }
+        }
+    }
+    assert!(4 * hits > asked && hits < asked && undecided > 5, "{hits} of {asked}, {undecided} faulty");
+}
+
+#[test]
 fn a_scene_without_moves_is_one_configuration() {
     let mut rng = Rng::new(483);
     let scene = scene(&mut rng, 40);

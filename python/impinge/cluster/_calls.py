@@ -1,0 +1,232 @@
+"""Cuts a call into tasks, and merges their answers to the answer of the call.
+
+The cut depends on the arguments of the call alone, never on the cluster, and answers are merged in
+the order of the tasks. So the answer is the same on any number of nodes, and a checkpoint of one
+cluster can be used on another.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from impinge import _arrays
+from impinge._impinge import __version__
+from impinge._mesh import Mesh
+from impinge._shape import AnyShape
+from impinge.cluster._parcels import Parcels
+
+_MOST_TASKS = 256
+"""Number of tasks of a call, unless they would be smaller than the smallest task or larger than the
+largest. With fewer, processors are idle at the end. With more, Ray's cost of a task, about a
+millisecond, weighs more."""
+
+_FACES_OF_SHARE = 1 << 16
+"""Number of faces of two meshes for each share of their search at one pose. With more, processors
+are idle. With fewer, Ray's cost of a task, and the descent to the first subtree, weigh more."""
+
+_LEAST_WORK, _MOST_WORK = 1 << 14, 1 << 16
+"""Estimated work of a task, in rows of `intersects`, each of which takes one or two microseconds.
+Ray's cost is less than a tenth of the smallest task. The poses of the largest one take 8 MB."""
+
+_WORK_OF_ROW = {"distance": 8, "intersecting_pairs": 8, "penetrates": 8, "penetration": 512}
+"""Estimated work of a row of a function in rows of `intersects`, if it is more."""
+
+
+class Call(ABC):
+    """A call that is cut into tasks.
+
+    Attributes
+    ----------
+    what : str
+        Name of the call for people.
+    count : int
+        Number of tasks.
+    names, parts : sequences
+        Names of all parts, and the parts.
+    parcels : Parcels
+        Bytes of the parts.
+    function : str
+        Function of the worker.
+    """
+
+    what: str
+    count: int
+    names: Sequence[str]
+    parts: Sequence[AnyShape]
+    parcels: Parcels
+    function: str
+
+    @abstractmethod
+    def parts_of(self, task: int) -> Sequence[int]:
+        """Return the indices of the distinct parts that a task needs."""
+
+    @abstractmethod
+    def arguments_of(self, task: int) -> tuple[Any, ...]:
+        """Return the arguments of a task after the parts."""
+
+    @abstractmethod
+    def merged(self, answers: Mapping[int, Any]) -> Any:
+        """Return the answer of the call from those of its tasks, as the extension returns it."""
+
+    @abstractmethod
+    def _input(self) -> tuple[Any, ...]:
+        """Return everything except the parts that the answers depend on."""
+
+    def fingerprint(self) -> str:
+        """Return a hash of all that the answers of the tasks depend on."""
+        sha = hashlib.sha256()
+        for item in (__version__, self.function, self.count, *self.parcels.digests(), *self._input()):
+            content = np.ascontiguousarray(item) if isinstance(item, np.ndarray) else None
+            text = repr(item) if content is None else f"{content.dtype.str}{content.shape}"
+            sha.update(f"{len(text)} {text}".encode())
+            if content is not None:
+                sha.update(content.data)
+        return sha.hexdigest()
+
+
+def snapshots(parts: Sequence[AnyShape]) -> list[AnyShape]:
+    """Return the parts in their current state, which later refits do not change."""
+    return [part._snapshot() if isinstance(part, Mesh) else part for part in parts]
+
+
+class Rows:
+    """Rows of poses of several things, cut into runs.
+
+    Parameters
+    ----------
+    axes : sequence of int
+        Leading axes of the answer.
+    poses : mapping of str to array_like or None
+        Poses of each thing by the name of the argument.
+    work : int
+        Estimated work of a row, in rows of `intersects`.
+    """
+
+    def __init__(self, axes: Sequence[int], poses: Mapping[str, Any], work: int) -> None:
+        self.axes = tuple(axes)
+        self.poses = [None if p is None else _arrays.plain_poses(p, name) for name, p in poses.items()]
+        self._count = int(np.prod(self.axes, dtype=np.int64))
+        even = -(-self._count // _MOST_TASKS)
+        self._run = max(min(max(even, _LEAST_WORK // work), _MOST_WORK // work), 1)
+        self.runs = max(-(-self._count // self._run), 1)
+
+    def of(self, run: int) -> list[NDArray[np.float64] | None]:
+        """Return the poses of each thing in one run.
+
+        A thing whose poses have no leading axes keeps its pose, without axes if the answer has
+        none.
+        """
+        start = run * self._run
+        rows = np.arange(start, min(start + self._run, self._count))
+        return [None if poses is None else self._of(poses, rows) for poses in self.poses]
+
+    def _of(self, poses: NDArray[np.float64], rows: NDArray[np.int64]) -> NDArray[np.float64]:
+        own = poses.shape[:-2]
+        if not self.axes:
+            return poses
+        if int(np.prod(own)) == 1:
+            return poses.reshape(1, 4, 4)
+        places = np.unravel_index(rows, self.axes)[len(self.axes) - len(own) :]
+        index = tuple(np.zeros_like(at) if length == 1 else at for at, length in zip(places, own, strict=True))
+        picked: NDArray[np.float64] = poses[index]
+        return picked
+
+
+class VerbCall(Call):
+    """A query of two things at many poses."""
+
+    function = "rows"
+
+    def __init__(self, verb: str, asked: tuple[Any, ...], rest: tuple[Any, ...], axes: Sequence[int]) -> None:
+        a, b, pose_a, pose_b, self._solid, self._on_error, _ = asked
+        self.what, self._rest = verb, rest
+        self.parts = snapshots([a, b])
+        self.names = ("a", "b")
+        self.parcels = Parcels(self.parts, range(2))
+        self._rows = Rows(axes, {"pose_a": pose_a, "pose_b": pose_b}, _WORK_OF_ROW.get(verb, 1))
+        self.count = self._rows.runs
+
+    def parts_of(self, task: int) -> Sequence[int]:
+        """Return the two things; the same thing twice is one part."""
+        return (0,) if self.parts[0] is self.parts[1] else (0, 1)
+
+    def arguments_of(self, task: int) -> tuple[Any, ...]:
+        """Return the verb, the poses of the rows and the options."""
+        return self.what, tuple(self._rows.of(task)), (self._solid, self._on_error), self._rest
+
+    def _input(self) -> tuple[Any, ...]:
+        which = self.parts_of(0)
+        return self.what, which, self._rest, self._solid, self._on_error, self._rows.axes, *self._rows.poses
+
+    def merged(self, answers: Mapping[int, Any]) -> Any:
+        """Return the answers of all rows."""
+        if not self._rows.axes:
+            return answers[0]
+        all_answers = [answers[task] for task in range(self.count)]
+        if self._on_error != "status":
+            return self._merged(all_answers)
+        status = np.concatenate([status for _, status in all_answers])
+        return self._merged([answer for answer, _ in all_answers]), status.reshape(self._rows.axes)
+
+    def _merged(self, answers: list[Any]) -> Any:
+        axes = self._rows.axes
+
+        def column(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
+            joined = np.concatenate(parts)
+            return joined.reshape(axes + joined.shape[1:])
+
+        if self.what == "intersecting_pairs":
+            offsets, rows, _, truncated = zip(*answers, strict=True)
+            return ragged(offsets), np.concatenate(rows), list(axes), column(truncated)
+        if isinstance(answers[0], tuple):
+            return tuple(column(parts) for parts in zip(*answers, strict=True))
+        return column(answers)
+
+
+class ShareCall(Call):
+    """The intersecting pairs of faces of two large meshes at one pose, cut by subtrees of one."""
+
+    function = "share"
+    what = "pairs of faces"
+
+    def __init__(self, asked: tuple[Any, ...]) -> None:
+        a, b, pose_a, pose_b, *_ = asked
+        self.parts = snapshots([a, b])
+        self.names = ("a", "b")
+        self.parcels = Parcels(self.parts, range(2))
+        named = {"pose_a": pose_a, "pose_b": pose_b}
+        self._poses = tuple(None if pose is None else _arrays.plain_poses(pose, name) for name, pose in named.items())
+        self.count = min(max((a.face_count + b.face_count) // _FACES_OF_SHARE, 1), _MOST_TASKS)
+
+    def parts_of(self, task: int) -> Sequence[int]:
+        """Return the two meshes; the same mesh twice is one part."""
+        return (0,) if self.parts[0] is self.parts[1] else (0, 1)
+
+    def arguments_of(self, task: int) -> tuple[Any, ...]:
+        """Return the poses, and the number of the share."""
+        return self._poses, task, self.count
+
+    def _input(self) -> tuple[Any, ...]:
+        return self.parts_of(0), *self._poses
+
+    def merged(self, answers: Mapping[int, Any]) -> Any:
+        """Return the pairs of all shares, and that there are no more."""
+        return in_order([answers[task] for task in range(self.count)]), False
+
+
+def in_order(pairs: Sequence[NDArray[np.uint32]]) -> NDArray[np.uint32]:
+    """Return the pairs of several lists, sorted."""
+    joined = np.concatenate([np.zeros((0, 2), np.uint32), *pairs])
+    return joined[np.lexsort((joined[:, 1], joined[:, 0]))]
+
+
+def ragged(offsets: Sequence[NDArray[np.int64]]) -> NDArray[np.int64]:
+    """Return the offsets of concatenated lists of entries from those of each list."""
+    counts = np.concatenate([np.diff(each) for each in offsets])
+    return np.concatenate([np.zeros(1, np.int64), np.cumsum(counts, dtype=np.int64)])

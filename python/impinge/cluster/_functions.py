@@ -1,0 +1,90 @@
+"""Functions with the names, arguments and results of the extension, which run on a cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from impinge import _impinge
+from impinge._mesh import Mesh
+from impinge.cluster._calls import Call, ShareCall, VerbCall
+from impinge.cluster._scenes import Part, ScenePairs, SceneRows
+
+
+class Functions:
+    """Functions that cut their call into tasks and run them.
+
+    Arguments are validated here first, by the extension, so errors are those of a local call.
+
+    Parameters
+    ----------
+    answer : callable
+        Runs a call, optionally with a line of progress, and returns its answer.
+    """
+
+    def __init__(self, answer: Callable[[Call, bool], Any]) -> None:
+        self._answer = answer
+
+    def intersects(self, asked: tuple[Any, ...]) -> Any:
+        """Report whether two things intersect, for each row."""
+        return self._rows("intersects", asked)
+
+    def penetrates(self, asked: tuple[Any, ...]) -> Any:
+        """Report whether the interiors of two things intersect, for each row."""
+        return self._rows("penetrates", asked)
+
+    def within(self, asked: tuple[Any, ...], clearance: float) -> Any:
+        """Report whether two things are at most a clearance apart, for each row."""
+        return self._rows("within", asked, clearance)
+
+    def distance(self, asked: tuple[Any, ...]) -> Any:
+        """Return the distance of two things for each row."""
+        return self._rows("distance", asked)
+
+    def penetration(self, asked: tuple[Any, ...]) -> Any:
+        """Return the penetration of two things for each row."""
+        return self._rows("penetration", asked)
+
+    def intersecting_pairs(self, asked: tuple[Any, ...], limit: int | None) -> Any:
+        """Return the pairs of faces of two meshes that intersect, for each row.
+
+        If there is one row, the search is cut into shares.
+        """
+        a, b, *_, on_error, progress = asked
+        are_meshes = isinstance(a, Mesh) and isinstance(b, Mesh)
+        if are_meshes and limit is None and on_error == "raise" and not _impinge.leading_axes(asked):
+            call = ShareCall(asked)
+            if call.count > 1:
+                return self._answer(call, progress)
+        return self._rows("intersecting_pairs", asked, limit)
+
+    def _rows(self, verb: str, asked: tuple[Any, ...], *rest: Any) -> Any:
+        axes = _impinge.leading_axes(asked)
+        return self._answer(VerbCall(verb, asked, rest, axes), asked[-1])
+
+    def check_scene(  # noqa: PLR0917 (the arguments of the extension)
+        self,
+        parts: list[Part],
+        ignored: list[tuple[int, int]],
+        question: tuple[str, float],
+        first: bool,
+        on_error: str,
+        progress: bool,
+    ) -> Any:
+        """Return the pairs of parts that are found in each configuration of a scene.
+
+        One configuration is cut by its pairs, if all of them are wanted. Otherwise the
+        configurations are divided.
+        """
+        call = scene_call(parts, ignored, question, first, on_error)
+        return self._answer(call, progress)
+
+
+def scene_call(
+    parts: list[Part], ignored: list[tuple[int, int]], question: tuple[str, float], first: bool, on_error: str
+) -> SceneRows | ScenePairs:
+    """Return the call that checks a scene."""
+    axes, broad_phase = _impinge.scene_candidates(parts, ignored, question, on_error)
+    if broad_phase is not None and not first:
+        return ScenePairs(parts, question, on_error, axes, broad_phase)
+    return SceneRows(parts, ignored, (question, first, on_error), axes)

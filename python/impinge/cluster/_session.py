@@ -1,0 +1,274 @@
+"""The connection to Ray, and the run of the tasks of a call."""
+
+from __future__ import annotations
+
+import importlib
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any
+
+from impinge import _limits
+from impinge._errors import InputError
+from impinge._impinge import __version__
+from impinge._progress import Line
+from impinge._scalars import path_of
+from impinge.cluster import _worker
+from impinge.cluster._calls import Call
+from impinge.cluster._checkpoint import Checkpoint
+from impinge.cluster._functions import Functions
+
+_TASKS_PER_PROCESSOR = 2
+"""Number of tasks that are given to Ray at a time, for each processor of the cluster. With one, a
+processor waits for its next task. More only take memory."""
+
+_MAX_RETRIES = 16
+"""Number of times that Ray runs a task again if its worker or its node ended."""
+
+_INSTALL = 'pip install "impinge[ray]"'
+
+
+class ClusterError(RuntimeError):
+    """Raised if Ray is absent, if a connection fails, or if a task could not be completed."""
+
+
+@dataclass
+class Work:
+    """Work that the last call on a cluster took.
+
+    Attributes
+    ----------
+    tasks : int
+        Number of tasks of the call.
+    resumed : int
+        Number of these tasks whose answers were in the checkpoint.
+    bytes_put : int
+        Size in bytes of the parts that were put into the object store.
+    """
+
+    tasks: int = 0
+    resumed: int = 0
+    bytes_put: int = 0
+
+
+class Cluster:
+    """A connection to a Ray cluster, which `ray` makes; pass it to calls as ``on=cluster``.
+
+    Attributes
+    ----------
+    work : Work
+        Work of the last call.
+    """
+
+    work: Work
+
+    def __init__(self, engine: Any, checkpoint: Checkpoint | None) -> None:
+        self._ray: Any = engine
+        self._checkpoint = checkpoint
+        self._remote = engine.remote(num_cpus=1, max_retries=_MAX_RETRIES)(_worker.answer)
+        self.work = Work()
+
+    @property
+    def processors(self) -> int:
+        """Number of processors of all nodes."""
+        return int(self._connected().cluster_resources().get("CPU", 0))
+
+    def _functions(self) -> Functions:
+        """Return the functions that answer calls in place of those of the extension."""
+        self._connected()
+        if _limits.asked.get() is not None:
+            message = "the limits of impinge.limit do not hold on a cluster"
+            raise InputError(message, kind="option", what="on", hint="leave the block of impinge.limit")
+        return Functions(self._answer)
+
+    def _connected(self) -> Any:
+        if self._ray is None:
+            raise ClusterError("the connection to the cluster is closed: call impinge.cluster.ray again")
+        return self._ray
+
+    def _close(self) -> None:
+        self._ray = None
+        if self._checkpoint is not None:
+            self._checkpoint.close()
+
+    def _answer(self, call: Call, progress: bool) -> Any:
+        """Run all tasks of a call, and return its answer."""
+        answers: dict[int, Any] = {}
+        self._run(call, answers, progress)
+        return call.merged(answers)
+
+    def _run(self, call: Call, answers: dict[int, Any], progress: bool) -> None:
+        """Run the tasks of a call, and add their answers, also if the run is interrupted."""
+        fingerprint = call.fingerprint() if self._checkpoint else ""
+        if self._checkpoint:
+            answers.update(self._checkpoint.answers(fingerprint))
+        self.work = Work(call.count, len(answers))
+        run = _Run(self._connected(), self._remote, call, [at for at in range(call.count) if at not in answers])
+        line = Line(call.count) if progress else None
+        room = max(_TASKS_PER_PROCESSOR * self.processors, 1)
+        try:
+            while run.fill(room):
+                for task, answer in run.finished():
+                    answers[task] = answer
+                    if self._checkpoint:
+                        self._checkpoint.add(fingerprint, task, answer)
+                if line:
+                    line.show(len(answers))
+        finally:
+            self.work.bytes_put = run.bytes_put
+            run.cancel()
+            if line:
+                line.end()
+
+
+class _Run:
+    """The tasks of a call that are with Ray, and the parcels that they need."""
+
+    def __init__(self, engine: Any, remote: Any, call: Call, tasks: list[int]) -> None:
+        self._ray, self._remote, self._call = engine, remote, call
+        self._tasks = iter(tasks)
+        self._pending: dict[Any, int] = {}
+        self._parcels: dict[int, Any] = {}
+        # A parcel is dropped when the last task that needs it was given to Ray, which keeps it.
+        self._last = {parcel: task for task in tasks for parcel in self._parcels_of(task)}
+        self.bytes_put = 0
+
+    def _parcels_of(self, task: int) -> list[int]:
+        call = self._call
+        return sorted({call.parcels.parcel_of(call.parts[part]) for part in call.parts_of(task)})
+
+    def fill(self, room: int) -> bool:
+        """Give tasks to Ray until it has `room` of them. Return whether it has any."""
+        for task in islice(self._tasks, max(room - len(self._pending), 0)):
+            self._pending[self._started(task)] = task
+        return bool(self._pending)
+
+    def _started(self, task: int) -> Any:
+        call = self._call
+        parcels = self._parcels_of(task)
+        for parcel in parcels:
+            if parcel not in self._parcels:
+                packed = call.parcels.packed(parcel)
+                self._parcels[parcel] = self._ray.put(packed)
+                self.bytes_put += packed.nbytes
+        places = []
+        for part in call.parts_of(task):
+            slot = call.parcels.slot_of(call.parts[part])
+            name, at = call.names[part], parcels.index(slot.parcel)
+            places.append(_worker.Place(name, slot.digest, slot.is_mesh, at, slot.start, slot.size))
+        remote = self._remote.options(name=f"impinge: {call.what}, task {task + 1} of {call.count}")
+        contents = [self._parcels[parcel] for parcel in parcels]
+        started = remote.remote(__version__, call.function, places, call.arguments_of(task), *contents)
+        for parcel in parcels:
+            if self._last[parcel] == task:
+                del self._parcels[parcel]
+        return started
+
+    def finished(self) -> Iterator[tuple[int, Any]]:
+        """Wait until tasks are finished, and return their numbers and answers.
+
+        Raises
+        ------
+        InputError, ClusterError
+            If a task failed.
+        """
+        self._ray.wait(list(self._pending), num_returns=1)
+        ready, _ = self._ray.wait(list(self._pending), num_returns=len(self._pending), timeout=0)
+        for reference in ready:
+            task = self._pending.pop(reference)
+            yield task, self._get(reference, task)
+
+    def _get(self, reference: Any, task: int) -> Any:
+        try:
+            return self._ray.get(reference)
+        except self._ray.exceptions.RayTaskError as error:
+            cause = error.cause if isinstance(error.cause, Exception) else error
+            if isinstance(cause, InputError | MemoryError):
+                raise cause from None
+            reason = str(cause) if isinstance(cause, _worker.VersionError) else f"{type(cause).__name__}: {cause}"
+        except self._ray.exceptions.RayError as error:
+            reason = f"{type(error).__name__}: {error}"
+        where = f"task {task + 1} of {self._call.count} of {self._call.what}"
+        raise ClusterError(f"{where}: {reason.strip()}")
+
+    def cancel(self) -> None:
+        """Cancel the tasks that are not finished."""
+        for reference in self._pending:
+            self._ray.cancel(reference)
+        self._pending.clear()
+
+
+@contextmanager
+def ray(
+    address: str | None = None, *, checkpoint: str | os.PathLike[str] | None = None, **options: Any
+) -> Iterator[Cluster]:
+    """Connect to a Ray cluster for the calls within a ``with`` block.
+
+    Parameters
+    ----------
+    address : str, optional
+        Address of the cluster, as for ``ray.init``: ``"auto"`` is the cluster that this machine is
+        a node of. Without it, Ray is started on this machine, with a worker for each processor, and
+        is stopped at the end of the block. If the process is connected to Ray already, that
+        connection is used and stays.
+    checkpoint : str or os.PathLike, optional
+        A file to which the answer of each finished task is added. If it has answers of a call with
+        the same arguments, these tasks are not run again. So the same program, run again after an
+        interruption, continues.
+    **options
+        More arguments for ``ray.init``, such as ``object_store_memory``.
+
+    Returns
+    -------
+    Cluster
+        For the argument `on` of `Scene.check`, `intersects`, `penetrates`, `within`, `distance`,
+        `penetration` and `intersecting_pairs`. Answers are those of this machine alone, byte for
+        byte, whatever number of nodes there are and whichever end meanwhile. Parts are those at the
+        start of a call; Ctrl-C interrupts it. Each node must have the same version of impinge.
+
+    Raises
+    ------
+    ClusterError
+        If Ray is not installed, if the connection fails, or, by a call, if a task fails.
+    OSError
+        If the checkpoint cannot be read or written.
+
+    Examples
+    --------
+    ::
+
+        with impinge.cluster.ray(address="auto", checkpoint="night.ndjson") as cluster:
+            report = scene.check(question="penetrates", stop="all", on=cluster)
+    """
+    engine = _imported()
+    is_ours = not engine.is_initialized()
+    if is_ours:
+        try:
+            engine.init(address, **{**_QUIET, **options})
+        except (ConnectionError, RuntimeError, ValueError) as error:
+            message = f"cannot connect to Ray at {address or 'this machine'}: {error}"
+            raise ClusterError(f"{message}; `ray start --head` starts a cluster") from error
+    try:
+        cluster = Cluster(engine, Checkpoint(path_of(checkpoint, "checkpoint")) if checkpoint is not None else None)
+        try:
+            yield cluster
+        finally:
+            cluster._close()
+    finally:
+        if is_ours:
+            engine.shutdown()
+
+
+_QUIET = {"log_to_driver": False, "logging_level": "ERROR", "include_dashboard": None}
+"""Arguments of ``ray.init`` that keep its messages out of the output."""
+
+
+def _imported() -> Any:
+    try:
+        return importlib.import_module("ray")
+    except ModuleNotFoundError as error:
+        if error.name != "ray":
+            raise
+        raise ClusterError(f"Ray is not installed: {_INSTALL}") from None

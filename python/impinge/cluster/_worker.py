@@ -1,0 +1,169 @@
+"""The part of a call that runs on a node: makes the parts of a task, and answers its question.
+
+A task is pure: it reads its arguments and returns its answer. Ray may therefore run it again.
+"""
+
+from __future__ import annotations
+
+import pickle
+from collections import OrderedDict
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from impinge import _impinge
+from impinge._baked import opened
+from impinge._errors import InputError
+from impinge._mesh import Mesh
+from impinge._shape import AnyShape
+from impinge._threads import threads
+
+Parcel = NDArray[np.uint8]
+"""Bytes of several parts, as they are in the object store."""
+
+_MAX_CACHED_BYTES = 1 << 28
+"""Maximum size in bytes of the parts that a worker keeps for later tasks, besides those of the last
+task. A part that is kept is not validated again, and its parcel stays in memory."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the bytes of a part are."""
+
+    name: str
+    """Name of the part, for error messages."""
+    digest: bytes
+    """SHA-256 of the bytes."""
+    is_mesh: bool
+    """Whether the bytes are a baked mesh. Otherwise they are a pickled shape."""
+    parcel: int
+    """Index of the parcel among those of the task."""
+    start: int
+    """Offset of the first byte in the parcel."""
+    size: int
+    """Number of bytes."""
+
+
+class VersionError(RuntimeError):
+    """Raised by a worker that has another version of impinge than the process that called it."""
+
+
+def answer(version: str, function: str, places: list[Place], arguments: tuple[Any, ...], *parcels: Parcel) -> Any:
+    """Return the answer of one task.
+
+    Parameters
+    ----------
+    version : str
+        Version of impinge of the process that asks.
+    function : str
+        Name of a function of this module, as in `_FUNCTIONS`.
+    places : list of Place
+        Parts of the task.
+    arguments : tuple
+        Arguments of the function after the parts.
+    parcels : arrays of bytes
+        The parcels that contain the parts.
+    """
+    if version != _impinge.__version__:
+        message = f"the caller has impinge {version}, and a worker has {_impinge.__version__}"
+        raise VersionError(f"{message}: install the same version on each node")
+    parts = _parts.of(places, parcels)
+    with threads(1):  # Ray gives a task one processor
+        return _FUNCTIONS[function](parts, *arguments)
+
+
+def rows(
+    parts: list[AnyShape], verb: str, poses: tuple[Any, Any], options: tuple[Any, ...], rest: tuple[Any, ...]
+) -> Any:
+    """Return the answers of a query of two things for some rows."""
+    solid, on_error = options
+    return getattr(_impinge, verb)((parts[0], parts[-1], *poses, solid, on_error, False), *rest)
+
+
+def share(parts: list[AnyShape], poses: tuple[Any, Any], number: int, count: int) -> Any:
+    """Return the pairs of faces of one share of the search of two meshes."""
+    return _impinge.intersecting_pairs_in((parts[0], parts[-1], *poses, False, "raise", False), number, count)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Parts of a scene in their order."""
+
+    which: list[int]
+    """For each part, its index among the distinct parts of the task."""
+    poses: Any
+    """For each part, its poses or None; or an array of one pose for each part."""
+    solid: bool
+    """Whether meshes are solids."""
+
+    def of(self, parts: list[AnyShape]) -> list[tuple[str, Any, bool, Any]]:
+        """Return the parts in the form that the extension takes."""
+        numbered = enumerate(zip(self.which, self.poses, strict=True))
+        return [(str(at), parts[part], self.solid, pose) for at, (part, pose) in numbered]
+
+
+def scene_rows(
+    parts: list[AnyShape], placed: Placed, ignored: list[tuple[int, int]], options: tuple[Any, bool, str]
+) -> Any:
+    """Return the pairs that are found in some configurations of a scene."""
+    question, first, on_error = options
+    return _impinge.check_scene(placed.of(parts), ignored, question, first, on_error, False)
+
+
+def scene_pairs(
+    parts: list[AnyShape],
+    placed: Placed,
+    numbers: NDArray[np.uint32],
+    pairs: NDArray[np.uint32],
+    question: tuple[str, float],
+) -> Any:
+    """Return those of some pairs of parts that are found, by the numbers of the parts in the scene.
+
+    The second array marks the pairs that are undecided.
+    """
+    found, undecided = _impinge.check_pairs(placed.of(parts), pairs, question)
+    return numbers[found], undecided
+
+
+_FUNCTIONS: dict[str, Any] = {"rows": rows, "share": share, "scene_rows": scene_rows, "scene_pairs": scene_pairs}
+
+
+class _Parts:
+    """Parts that this process has made, the last used last."""
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[bytes, tuple[int, AnyShape]] = OrderedDict()
+        self._bytes = 0
+
+    def of(self, places: list[Place], parcels: tuple[Parcel, ...]) -> list[AnyShape]:
+        """Return the parts at some places."""
+        parts = [self._part(place, parcels) for place in places]
+        while self._bytes > _MAX_CACHED_BYTES and len(self._kept) > len(places):
+            _, (size, _) = self._kept.popitem(last=False)
+            self._bytes -= size
+        return parts
+
+    def _part(self, place: Place, parcels: tuple[Parcel, ...]) -> AnyShape:
+        if place.digest in self._kept:
+            self._kept.move_to_end(place.digest)
+            return self._kept[place.digest][1]
+        part = _made(place, parcels[place.parcel][place.start : place.start + place.size])
+        self._kept[place.digest] = place.size, part
+        self._bytes += place.size
+        return part
+
+
+def _made(place: Place, content: Parcel) -> AnyShape:
+    if not place.is_mesh:
+        shape: AnyShape = pickle.loads(content.data)
+        return shape
+    try:
+        return Mesh._of(opened(content.data), None)  # without the origin of its faces
+    except InputError as error:
+        message = f"part {place.name!r} did not reach the worker as it was sent: {error}"
+        raise InputError(message, kind=error.kind, what="parts", hint="run the call again") from None
+
+
+_parts = _Parts()
