@@ -83,6 +83,16 @@ impl Contacts {
     }
 }
 
+/// Returns how far the second of two shapes must move along a direction of length 1 to be beyond the
+/// first, rounded. It is negative if it is beyond it already.
+pub(super) fn depth_along(a: &Swept<'_>, b: &Swept<'_>, direction: [f64; 3]) -> f64 {
+    if !a.is_before(b) {
+        return depth_along(b, a, direction.map(|x| 0.0 - x));
+    }
+    let pair = Pair::new(a, b);
+    dot(&direction, &pair.support(direction).vector) * pair.unit + (a.radius[1] + b.radius[1])
+}
+
 /// Returns the contacts of two shapes along a direction of length 1 from the first to the second.
 /// They are the places where the facing sides lie over each other and are at most `margin` apart.
 /// The list may be empty.
@@ -129,16 +139,13 @@ fn facing_overlap(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3])
     if !a.has_all_facets && !b.has_all_facets {
         // One part of each faces the other, as for almost all shapes, so no lists are needed.
         let (part_a, part_b) = (facing(&pair.a, a.facets, *normal), facing(&pair.b, b.facets, opposite));
-        overlap(&part_a, &part_b, normal, near, &mut over);
-        return ([part_a.feature(), part_b.feature()], over);
+        let features = [part_a.feature(), part_b.feature()];
+        overlap(&[part_a], &[part_b], normal, near, &mut over);
+        return (features, over);
     }
     let facing_a = all_facing(&pair.a, a, *normal);
     let facing_b = all_facing(&pair.b, b, opposite);
-    for part_a in &facing_a {
-        for part_b in &facing_b {
-            overlap(part_a, part_b, normal, near, &mut over);
-        }
-    }
+    overlap(&facing_a, &facing_b, normal, near, &mut over);
     ([facing_a[0].feature(), facing_b[0].feature()], over)
 }
 

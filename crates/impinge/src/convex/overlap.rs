@@ -61,11 +61,28 @@ impl Over {
     }
 }
 
-/// Adds the places where two facing polygons lie over each other along a normal of length 1 to
-/// `found`. `near` is the tolerance of the shadows.
-pub(super) fn overlap(a: &Facing, b: &Facing, normal: &[f64; 3], near: f64, found: &mut Places) {
+/// Adds the places where facing polygons of two shapes lie over each other along a normal of length
+/// 1 to `found`. `near` is the tolerance of the shadows.
+///
+/// # Complexity
+/// O(n log n + k) for n polygons and k pairs whose shadows overlap along one axis.
+pub(super) fn overlap(a: &[Facing], b: &[Facing], normal: &[f64; 3], near: f64, found: &mut Places) {
     let axes = across(normal);
-    let (a, b) = (Shadow::new(a, &axes, near), Shadow::new(b, &axes, near));
+    let [a, b] = [a, b].map(|all| all.iter().map(|one| Shadow::new(one, &axes, near)).collect::<Vec<_>>());
+    let mut by_left: Vec<usize> = (0..b.len()).collect();
+    by_left.sort_by(|&i, &j| b[i].bounds[0][0].total_cmp(&b[j].bounds[0][0]));
+    let widest = b.iter().map(|shadow| shadow.bounds[1][0] - shadow.bounds[0][0]).fold(0.0, f64::max);
+    for shadow in &a {
+        let [left, right] = [shadow.bounds[0][0] - widest - 4.0 * near, shadow.bounds[1][0] + 4.0 * near];
+        let first = by_left.partition_point(|&at| b[at].bounds[0][0] < left);
+        let beside = by_left[first..].iter().take_while(|&&at| b[at].bounds[0][0] <= right);
+        let mut others: Vec<usize> = beside.copied().filter(|&at| shadow.may_overlap(&b[at])).collect();
+        others.sort_unstable();
+        others.into_iter().for_each(|at| overlap_of_two(shadow, &b[at], found));
+    }
+}
+
+fn overlap_of_two(a: &Shadow<'_>, b: &Shadow<'_>, found: &mut Places) {
     for (at, corner) in a.at.iter().zip(a.facing.corners.iter()) {
         if let Some(point) = b.point_at(at) {
             let features = [Feature::Vertex(corner.number), b.facing.feature()];
@@ -103,6 +120,8 @@ impl Facing {
 struct Shadow<'f> {
     facing: &'f Facing,
     at: ShortList<[f64; 2], 8>,
+    /// Least and greatest coordinates of the corners.
+    bounds: [[f64; 2]; 2],
     /// 1 if the corners turn left, -1 if they turn right.
     turn: f64,
     /// Distance up to which places count as one.
@@ -113,10 +132,23 @@ impl<'f> Shadow<'f> {
     fn new(facing: &'f Facing, [x, y]: &[[f64; 3]; 2], near: f64) -> Self {
         let mut at = ShortList::new([0.0; 2]);
         at.extend(facing.corners.iter().map(|corner| [dot(x, &corner.point), dot(y, &corner.point)]));
-        let mut shadow = Self { facing, at, turn: 0.0, near };
+        let end = |pick: fn(f64, f64) -> f64, start: f64| {
+            std::array::from_fn(|k| at.iter().fold(start, |end, place: &[f64; 2]| pick(end, place[k])))
+        };
+        let bounds = [end(f64::min, f64::INFINITY), end(f64::max, f64::NEG_INFINITY)];
+        let mut shadow = Self { facing, at, bounds, turn: 0.0, near };
         let doubled_area: f64 = shadow.edges().map(|[from, to]| wedge(shadow.at[from], shadow.at[to])).sum();
         shadow.turn = doubled_area.signum();
         shadow
+    }
+
+    /// Reports whether the bounds of two shadows are not clearly apart. Places that count as over a
+    /// polygon are at most twice the tolerance outside of it.
+    fn may_overlap(&self, other: &Self) -> bool {
+        (0..2).all(|k| {
+            let gap = f64::max(other.bounds[0][k] - self.bounds[1][k], self.bounds[0][k] - other.bounds[1][k]);
+            gap.is_nan() || gap <= 4.0 * self.near
+        })
     }
 
     /// Returns the point of the polygon over a place of the plane, or `None` if there is none.
