@@ -14,9 +14,11 @@
 //! - `pairs` finds pairs of intersecting faces, of two meshes and within one mesh.
 //! - `solid` treats meshes as solids: winding numbers, and the sides of faces.
 //! - `distance` finds the nearest points of two meshes.
+//! - `decomposition` divides solids into convex parts.
 //!
 //! `options` sets how a query runs.
 
+mod decomposition;
 mod derived;
 mod distance;
 mod lifecycle;
@@ -29,6 +31,7 @@ mod solid;
 mod storage;
 mod triangle_mesh;
 
+pub use decomposition::{ConvexPart, ConvexParts, DecompositionOptions};
 pub(crate) use derived::topology::{Across, Components, DisjointSets};
 pub(crate) use distance::{WarmStart, nearest, within};
 pub use lifecycle::aging::Aging;

@@ -9,7 +9,7 @@ use crate::convex::{Support, Turned};
 use crate::hull::Hull;
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
-use crate::mesh::{Mesh, SolidMesh};
+use crate::mesh::{ConvexParts, Mesh, SolidMesh};
 
 /// Coordinates and lengths must be below this magnitude, 2^128. The proofs hold below it, as for
 /// meshes.
@@ -288,6 +288,14 @@ impl From<&Mesh> for Shape {
     /// Returns the surface of the mesh.
     fn from(mesh: &Mesh) -> Self {
         Self::mesh(mesh)
+    }
+}
+
+impl From<&ConvexParts> for Shape {
+    /// Returns the compound of the hulls, with the parts in their order.
+    fn from(parts: &ConvexParts) -> Self {
+        let hulls = parts.parts().iter().map(|part| (Self::hull(part.hull.clone()), Pose::IDENTITY));
+        Self(Kind::Compound(hulls.collect()))
     }
 }
 
