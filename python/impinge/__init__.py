@@ -15,6 +15,7 @@ from impinge import ccd, cluster, fit, partition
 from impinge._character import Animation, Character, Leaks, Part
 from impinge._character_pose import CharacterPose, PartHit, PartHits, PartPairs, SurfaceHit
 from impinge._contacts import ContactRows, Contacts, contacts
+from impinge._decomposition import ConvexPart, ConvexParts
 from impinge._distances import Distance, distance, within
 from impinge._errors import InputError, LoadWarning, Status
 from impinge._impinge import __version__
@@ -69,6 +70,8 @@ __all__ = [
     "ClosestPoint",
     "ContactRows",
     "Contacts",
+    "ConvexPart",
+    "ConvexParts",
     "Distance",
     "Health",
     "Hull",

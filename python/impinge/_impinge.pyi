@@ -11,6 +11,7 @@ __all__ = [
     "BatchCore",
     "BoxCore",
     "CharacterCore",
+    "DeformingCore",
     "GeometryBase",
     "Limits",
     "ManagerBase",
@@ -38,6 +39,7 @@ __all__ = [
     "contacts_of",
     "contains",
     "convex_hull",
+    "convex_parts",
     "distance",
     "edge_edge",
     "face_normals",
@@ -142,6 +144,12 @@ class Model:
     @property
     def warnings(self) -> list[str]: ...
 
+@final
+class DeformingCore:
+    def __new__(cls, faces: Any, t0: Any, t1: Any) -> Self: ...
+    def contacts(self, other: DeformingCore) -> _Swept: ...
+    def self_contacts(self) -> _Swept: ...
+
 class MotionBase:
     def __new__(cls, pose_t0: Any, pose_t1: Any, screw: tuple[Any, Any, Any] | None) -> Self: ...
     @property
@@ -184,6 +192,9 @@ class ManagerBase:
     def _remove(self, key: int) -> None: ...
     def _renew(self) -> None: ...
 
+_Swept: TypeAlias = tuple[
+    NDArray[np.uint8], NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]
+]
 _Others: TypeAlias = ManagerBase | ObjectBase | None
 _KeyPairs: TypeAlias = list[tuple[int, int]]
 
@@ -395,6 +406,9 @@ def closing_tolerance(mesh: Any) -> float | None: ...
 def repaired(mesh: Any, weld: float, orient: bool) -> tuple[MeshBase, dict[str, Any]]: ...
 def tree_statistics(mesh: Any) -> dict[str, Any]: ...
 def convex_hull(points: Any) -> tuple[NDArray[np.uint32], NDArray[np.uint32], int]: ...
+def convex_parts(
+    mesh: Any, concavity: float | None, max_parts: int
+) -> tuple[list[tuple[NDArray[np.float64], NDArray[np.uint32], float, float]], bool]: ...
 def fit_volume(points: Any, construction: str) -> _Numbers: ...
 def proxies(mesh: Any) -> tuple[tuple[NDArray[np.uint32], NDArray[np.uint32], int], list[_Numbers]]: ...
 def shape_ray_cast(

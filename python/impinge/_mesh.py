@@ -10,11 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from impinge import _arrays, _impinge
 from impinge._baked import opened
+from impinge._decomposition import ConvexPart, ConvexParts
 from impinge._errors import InputError
 from impinge._inspection import Health, Repair, TreeStatistics
 from impinge._mesh_points import PointQueries
 from impinge._origin import Origin, origin_of
-from impinge._scalars import chosen, flag, path_of, real
+from impinge._scalars import chosen, flag, path_of, real, whole
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -203,6 +204,53 @@ class Mesh(PointQueries):
         """
         made, report = _impinge.repaired(self, real(weld, "weld", minimum=0.0), flag(orient, "orient"))
         return Mesh._of(made, self._origin), Repair(**report)
+
+    def convex_parts(self, *, concavity: float | None = None, max_parts: int = 64) -> ConvexParts:
+        """Divide the solid of the mesh into convex parts, for programs that need convex shapes.
+
+        The hulls of the parts cover the solid, and no point of a hull is farther from the solid than
+        the `concavity` of the answer; both are proved. A convex mesh is one part, its hull. Hulls
+        may overlap.
+
+        Parameters
+        ----------
+        concavity : float, optional
+            Maximum distance that a hull may reach outside the solid, in the unit of the mesh. The
+            default is 1/40 of the largest extent of the mesh along an axis.
+        max_parts : int, default 64
+            Maximum number of parts, from 1 to 16,384.
+
+        Returns
+        -------
+        ConvexParts
+            If there are too few parts for the concavity, `is_within` is False.
+
+        Raises
+        ------
+        InputError
+            If the mesh is open or has no faces, or if an argument is out of range.
+
+        Notes
+        -----
+        The method is that of Wei and others, *Approximate convex decomposition for 3D meshes with
+        collision-aware concavity and tree search* (SIGGRAPH 2022): planes cut the worst part until
+        all are good, and parts are merged again. Bounds are proved instead of sampled.
+
+        Examples
+        --------
+        >>> import impinge, numpy as np
+        >>> box = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+        >>> faces = impinge.convex_hull(box).faces
+        >>> angle = impinge.Mesh(np.vstack([box * [3, 1, 1], box * [1, 3, 1]]), np.vstack([faces, faces + 8]))
+        >>> parts = angle.convex_parts(concavity=0.1)
+        >>> len(parts), parts.is_within
+        (2, True)
+        >>> impinge.Shape.of_parts(parts)
+        Shape.compound(2 parts)
+        """
+        wanted = None if concavity is None else real(concavity, "concavity", minimum=0.0)
+        found, is_within = _impinge.convex_parts(self, wanted, whole(max_parts, "max_parts"))
+        return ConvexParts(tuple(ConvexPart(*part) for part in found), is_within)
 
     def closing_tolerance(self) -> float | None:
         """Return a tolerance at which welding closes every open edge, in O(n log n) time.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from impinge import _arrays, _impinge
+from impinge._decomposition import ConvexParts
 from impinge._errors import InputError
 from impinge._mesh import Mesh
 from impinge._points import RayHit, scalar
@@ -368,6 +369,11 @@ class Shape(_impinge.ShapeBase):
         array([1., 0., 0.])
         """
         return Shape._of("rounded", self, [real(radius, "radius")])
+
+    @classmethod
+    def of_parts(cls, parts: ConvexParts) -> Shape:
+        """Return the compound of convex parts, from `Mesh.convex_parts`, in their order."""
+        return cls.compound((cls.hull(part.vertices), None) for part in parts.parts)
 
     @property
     def kind(self) -> str:

@@ -1,4 +1,4 @@
-"""Continuous collision of single features: a vertex and a face, or two edges, with linear motions.
+"""Continuous collision of vertices that move along lines: of single features and whole surfaces.
 
 Each corner moves along its own line at constant velocity, from time 0 to time 1. Simulations of
 cloth and other deformable bodies use these queries.
@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from impinge import _impinge
+from impinge._deforming import Deforming, SweptContacts
 from impinge._points import scalar
 
-__all__ = ["edge_edge", "vertex_face"]
+__all__ = ["Deforming", "SweptContacts", "edge_edge", "vertex_face"]
 
 
 def vertex_face(t0: ArrayLike, t1: ArrayLike) -> float | NDArray[np.float64]:

@@ -88,6 +88,7 @@ pub(crate) fn kind_and_place(error: &InputError) -> (&'static str, Vec<usize>) {
         InputErrorKind::Singular => ("singular", Vec::new()),
         InputErrorKind::NotUnitQuaternion { .. } => ("not-unit-quaternion", Vec::new()),
         InputErrorKind::Empty { .. } => ("empty", Vec::new()),
+        InputErrorKind::Open { .. } => ("open", Vec::new()),
         InputErrorKind::Negative { index, .. } => ("negative", vec![index]),
         InputErrorKind::NotRigid { .. } => ("not-rigid", Vec::new()),
         InputErrorKind::ZeroAxis => ("zero-axis", Vec::new()),

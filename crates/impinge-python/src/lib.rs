@@ -8,6 +8,8 @@ mod character;
 mod character_pose;
 mod command;
 mod contacts;
+mod decomposition;
+mod deforming;
 mod distances;
 mod errors;
 mod fcl_contacts;
@@ -58,6 +60,10 @@ mod _impinge {
     use super::character_pose::PosedCore;
     #[pymodule_export]
     use super::command::run_command;
+    #[pymodule_export]
+    use super::decomposition::convex_parts;
+    #[pymodule_export]
+    use super::deforming::DeformingCore;
     #[pymodule_export]
     use super::distances::{distance, penetration, within};
     #[pymodule_export]

@@ -275,7 +275,11 @@ fn reserved<T>(rows: usize) -> PyResult<Vec<T>> {
     Ok(list)
 }
 
-fn read_faces(faces: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Vec<[u32; 3]>> {
+/// Returns the faces of an array as `impinge._arrays` makes it, (m, 3) integers.
+///
+/// # Errors
+/// `InputError` if an index does not fit in 32 bits.
+pub(crate) fn read_faces(faces: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Vec<[u32; 3]>> {
     if let Ok(faces) = faces.cast::<PyArray2<u32>>() {
         return triples(&faces.readonly());
     }

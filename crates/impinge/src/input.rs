@@ -83,6 +83,11 @@ pub enum InputErrorKind {
         /// Noun for the missing elements, such as `"points"`.
         what: &'static str,
     },
+    /// A mesh is open, but a closed one is required.
+    Open {
+        /// Number of edges along which more faces run one way than the other.
+        edges: usize,
+    },
     /// A length is negative.
     Negative {
         /// Noun for the length, such as `"radius"` or `"half-extent"`.
@@ -176,6 +181,9 @@ impl fmt::Display for InputError {
             }
             InputErrorKind::ZeroAxis => write!(f, "the rotation axis has length zero")?,
             InputErrorKind::Empty { what } => write!(f, "there are no {what}")?,
+            InputErrorKind::Open { edges } => {
+                write!(f, "the mesh is open: along {edges} edges more faces run one way than the other")?;
+            }
             InputErrorKind::Negative { what, index } => write!(f, "{what} {index} is negative")?,
             InputErrorKind::NotRigid { deviation } => {
                 write!(f, "the map is not rigid: it deviates from a rotation by {deviation:e}")?;

@@ -14,12 +14,14 @@
 //! - `pairs` finds pairs of intersecting faces, of two meshes and within one mesh.
 //! - `solid` treats meshes as solids: winding numbers, and the sides of faces.
 //! - `distance` finds the nearest points of two meshes.
+//! - `decomposition` divides solids into convex parts.
 //!
 //! - `height_field` is terrain on a grid, whose triangles are never stored; `faces` is what meshes
 //!   and height fields have in common.
 //!
 //! `options` sets how a query runs.
 
+mod decomposition;
 mod derived;
 mod distance;
 mod faces;
@@ -34,6 +36,7 @@ mod solid;
 mod storage;
 mod triangle_mesh;
 
+pub use decomposition::{ConvexPart, ConvexParts, DecompositionOptions};
 pub(crate) use derived::topology::{Across, Components, DisjointSets};
 pub(crate) use distance::{WarmStart, nearest, within};
 pub(crate) use faces::Faces;

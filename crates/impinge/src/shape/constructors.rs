@@ -10,7 +10,7 @@ use crate::hull::Hull;
 use crate::input::{InputError, InputErrorKind};
 use crate::math::dyadic::{self, Dyadic};
 use crate::math::{Pose, Sign};
-use crate::mesh::{HeightField, Mesh, SolidMesh};
+use crate::mesh::{ConvexParts, HeightField, Mesh, SolidMesh};
 
 /// Coordinates and lengths must be below this magnitude, 2^128. The proofs hold below it, as for
 /// meshes.
@@ -343,6 +343,14 @@ impl From<&Mesh> for Shape {
 impl From<&HeightField> for Shape {
     fn from(field: &HeightField) -> Self {
         Self::height_field(field)
+    }
+}
+
+impl From<&ConvexParts> for Shape {
+    /// Returns the compound of the hulls, with the parts in their order.
+    fn from(parts: &ConvexParts) -> Self {
+        let hulls = parts.parts().iter().map(|part| (Self::hull(part.hull.clone()), Pose::IDENTITY));
+        Self(Kind::Compound(hulls.collect()))
     }
 }
 

@@ -10,11 +10,14 @@
 //!
 //! The proof is docs/notes/proof.md, L25. The tests are in `tests/it/sweep/deforming.rs`.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 use super::impact::Impact;
 use super::linear::first_contact;
 use super::polynomials::Split;
+use crate::budget::{Budget, Stopped};
 use crate::hierarchy::{Builder, Enclosure, GenericTree};
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
@@ -23,13 +26,19 @@ use crate::volume::Aabb;
 /// Largest magnitude of a coordinate: 2^126. It keeps the boxes finite in single precision.
 const LIMIT: f64 = (1_u128 << 126) as f64;
 
+/// Number of pairs of faces in overlapping leaves between two checks of the budget.
+const VISITS_PER_STEP: usize = 1 << 14;
+
+/// Number of pairs of faces whose features are tested between two checks of the budget.
+const PAIRS_PER_STEP: usize = 32;
+
 /// Triangles whose vertices move along lines at constant speed, from one array of positions to
 /// another, all in one frame.
 #[derive(Debug)]
 pub struct Deforming<'m> {
-    faces: &'m [[u32; 3]],
-    t0: &'m [[f64; 3]],
-    t1: &'m [[f64; 3]],
+    faces: Cow<'m, [[u32; 3]]>,
+    t0: Cow<'m, [[f64; 3]]>,
+    t1: Cow<'m, [[f64; 3]]>,
     /// Vertices (bits 0 to 2) and edges (bits 3 to 5) that each face represents. Each feature is
     /// represented by its first face.
     represents: Vec<u8>,
@@ -89,7 +98,11 @@ impl<'m> Deforming<'m> {
     /// # Complexity
     /// O(n log n).
     pub fn new(faces: &'m [[u32; 3]], t0: &'m [[f64; 3]], t1: &'m [[f64; 3]]) -> Result<Self, InputError> {
-        validate(faces, t0, t1)?;
+        Self::of(faces.into(), t0.into(), t1.into())
+    }
+
+    fn of(faces: Cow<'m, [[u32; 3]]>, t0: Cow<'m, [[f64; 3]]>, t1: Cow<'m, [[f64; 3]]>) -> Result<Self, InputError> {
+        validate(&faces, &t0, &t1)?;
         let corners = |face: u32| faces[face as usize].map(|vertex| vertex as usize);
         let swept = |face: u32| corners(face).into_iter().flat_map(|vertex| [t0[vertex], t1[vertex]]);
         let boxes: Vec<Aabb> = (0..faces.len() as u32)
@@ -104,7 +117,7 @@ impl<'m> Deforming<'m> {
         let tree = GenericTree::new(&binary, points_of, Enclosure::Layered);
         // Finite points always have a box.
         let tree = tree.ok_or_else(|| InputError::new(InputErrorKind::Empty { what: "points" }))?;
-        Ok(Self { faces, t0, t1, represents: represents(faces), boxes, tree })
+        Ok(Self { represents: represents(&faces), faces, t0, t1, boxes, tree })
     }
 
     /// Returns every pair of a vertex and a face, or of two edges, of this surface and another one
@@ -135,30 +148,33 @@ impl<'m> Deforming<'m> {
     /// work is done on all cores of the current rayon pool.
     #[must_use]
     pub fn contacts(&self, other: &Deforming<'_>) -> Vec<SweptContact> {
-        let mut pairs = Vec::new();
-        self.tree.pairs(&other.tree, &Pose::IDENTITY, |a, b| {
-            if overlap(&self.boxes[a as usize], &other.boxes[b as usize]) {
-                pairs.push([a, b]);
-            }
-        });
-        sorted(pairs.into_par_iter().flat_map_iter(|[a, b]| {
-            let mut found = Vec::new();
+        // Without a limit there is no error.
+        self.contacts_within(other, Budget::unlimited()).unwrap_or_default()
+    }
+
+    /// Returns the [`contacts`](Self::contacts) with a limit on the work.
+    ///
+    /// # Errors
+    /// Returns the limit of the budget if it was reached, because contacts would be missing.
+    pub fn contacts_within(&self, other: &Deforming<'_>, budget: &Budget<'_>) -> Result<Vec<SweptContact>, Stopped> {
+        let mut pairs = Pairs::new(budget);
+        self.tree.pairs(&other.tree, &Pose::IDENTITY, |a, b| pairs.visit([a, b], [self, other]));
+        pairs.contacts(|[a, b], found| {
             for vertex in self.vertices_of(a) {
                 let impact = vertex_against(self, vertex, other, b);
-                list(&mut found, Features::VertexFace { vertex, face: b }, impact);
+                list(found, Features::VertexFace { vertex, face: b }, impact);
             }
             for vertex in other.vertices_of(b) {
                 let impact = vertex_against(other, vertex, self, a);
-                list(&mut found, Features::FaceVertex { face: a, vertex }, impact);
+                list(found, Features::FaceVertex { face: a, vertex }, impact);
             }
             for edge_a in self.edges_of(a) {
                 for edge_b in other.edges_of(b) {
                     let impact = edges_against(self, edge_a, other, edge_b);
-                    list(&mut found, Features::EdgeEdge { edge_a, edge_b }, impact);
+                    list(found, Features::EdgeEdge { edge_a, edge_b }, impact);
                 }
             }
-            found
-        }))
+        })
     }
 
     /// Returns every pair of a vertex and a face, or of two edges, of this surface that touch
@@ -168,28 +184,30 @@ impl<'m> Deforming<'m> {
     /// Accuracy and complexity are those of [`contacts`](Self::contacts).
     #[must_use]
     pub fn self_contacts(&self) -> Vec<SweptContact> {
-        let mut pairs = Vec::new();
-        self.tree.self_pairs(|a, b| {
-            if overlap(&self.boxes[a as usize], &self.boxes[b as usize]) {
-                pairs.push([a, b]);
-            }
-        });
-        sorted(pairs.into_par_iter().flat_map_iter(|[a, b]| {
-            let mut found = Vec::new();
+        self.self_contacts_within(Budget::unlimited()).unwrap_or_default()
+    }
+
+    /// Returns the [`self_contacts`](Self::self_contacts) with a limit on the work.
+    ///
+    /// # Errors
+    /// Returns the limit of the budget if it was reached, because contacts would be missing.
+    pub fn self_contacts_within(&self, budget: &Budget<'_>) -> Result<Vec<SweptContact>, Stopped> {
+        let mut pairs = Pairs::new(budget);
+        self.tree.self_pairs(|a, b| pairs.visit([a, b], [self, self]));
+        pairs.contacts(|[a, b], found| {
             for (own, face) in [(a, b), (b, a)] {
                 for vertex in self.vertices_of(own).filter(|vertex| !self.faces[face as usize].contains(vertex)) {
                     let impact = vertex_against(self, vertex, self, face);
-                    list(&mut found, Features::VertexFace { vertex, face }, impact);
+                    list(found, Features::VertexFace { vertex, face }, impact);
                 }
             }
             for one in self.edges_of(a) {
                 for other in self.edges_of(b).filter(|other| !other.iter().any(|end| one.contains(end))) {
                     let (edge_a, edge_b) = (one.min(other), one.max(other));
-                    list(&mut found, Features::EdgeEdge { edge_a, edge_b }, edges_against(self, edge_a, self, edge_b));
+                    list(found, Features::EdgeEdge { edge_a, edge_b }, edges_against(self, edge_a, self, edge_b));
                 }
             }
-            found
-        }))
+        })
     }
 
     /// Iterates over the vertices that a face represents.
@@ -207,6 +225,62 @@ impl<'m> Deforming<'m> {
     /// Returns a vertex's positions at both ends of the motion.
     fn ends(&self, vertex: u32) -> [[f64; 3]; 2] {
         [self.t0[vertex as usize], self.t1[vertex as usize]]
+    }
+}
+
+impl Deforming<'static> {
+    /// Returns the surface with these faces, as [`new`](Deforming::new) does, and keeps the arrays.
+    ///
+    /// # Errors
+    /// Those of [`new`](Deforming::new).
+    pub fn owned(faces: Vec<[u32; 3]>, t0: Vec<[f64; 3]>, t1: Vec<[f64; 3]>) -> Result<Self, InputError> {
+        Self::of(faces.into(), t0.into(), t1.into())
+    }
+}
+
+/// Pairs of faces whose boxes overlap during the motion.
+struct Pairs<'b> {
+    budget: &'b Budget<'b>,
+    found: Vec<[u32; 2]>,
+    visited: usize,
+    is_spent: bool,
+}
+
+impl<'b> Pairs<'b> {
+    fn new(budget: &'b Budget<'_>) -> Self {
+        Self { budget, found: Vec::new(), visited: 0, is_spent: false }
+    }
+
+    /// Adds a pair of leaves' faces if their boxes overlap.
+    fn visit(&mut self, [a, b]: [u32; 2], of: [&Deforming<'_>; 2]) {
+        self.visited += 1;
+        if self.visited.is_multiple_of(VISITS_PER_STEP) {
+            self.is_spent |= self.budget.is_spent();
+        }
+        if !self.is_spent && overlap(&of[0].boxes[a as usize], &of[1].boxes[b as usize]) {
+            self.is_spent = !self.budget.reserve(&mut self.found, 1);
+            if !self.is_spent {
+                self.found.push([a, b]);
+            }
+        }
+    }
+
+    /// Returns the contacts of all pairs, sorted. `list_contacts` lists those of one pair.
+    fn contacts(
+        self,
+        list_contacts: impl Fn([u32; 2], &mut Vec<SweptContact>) + Sync,
+    ) -> Result<Vec<SweptContact>, Stopped> {
+        let Self { budget, found: pairs, .. } = self;
+        budget.check()?;
+        let lists = pairs.par_chunks(PAIRS_PER_STEP).map(|chunk| {
+            budget.check()?;
+            let mut found = Vec::new();
+            chunk.iter().for_each(|&pair| list_contacts(pair, &mut found));
+            Ok(found)
+        });
+        let mut found = lists.collect::<Result<Vec<_>, Stopped>>()?.concat();
+        found.par_sort_unstable_by_key(|contact| contact.features);
+        Ok(found)
     }
 }
 
@@ -231,12 +305,6 @@ fn list(found: &mut Vec<SweptContact>, features: Features, impact: Impact) {
     if impact.hit() {
         found.push(SweptContact { features, impact });
     }
-}
-
-fn sorted(found: impl ParallelIterator<Item = SweptContact>) -> Vec<SweptContact> {
-    let mut found: Vec<_> = found.collect();
-    found.par_sort_unstable_by_key(|contact| contact.features);
-    found
 }
 
 /// Returns an edge of a face, the lesser vertex first.

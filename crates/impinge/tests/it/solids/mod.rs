@@ -4,6 +4,7 @@ mod bricks;
 mod bsp;
 mod containment;
 mod convexity;
+mod decomposition;
 mod depths;
 mod open;
 mod order;
