@@ -43,7 +43,7 @@ def samples(hulls: Hulls, rng: np.random.Generator) -> np.ndarray:
 
 
 def measure(mesh: impinge.Mesh, hulls: Hulls) -> tuple[float, float]:
-    """Return the largest sampled distance from the solid, and the sampled share that is uncovered."""
+    """Return the largest sampled distance from the solid, and the share of samples not covered."""
     rng = np.random.default_rng(1)
     outside = np.maximum(mesh.signed_distance(samples(hulls, rng)), 0).max()
     points = rng.uniform(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0), (4 * SAMPLES, 3))

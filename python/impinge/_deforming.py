@@ -74,8 +74,8 @@ class Deforming:
     Notes
     -----
     The method is that of Curtis and others, *Fast collision detection for deformable models using
-    representative-triangles* (2008): a tree of boxes over the whole motion finds pairs of faces, and
-    each vertex and edge is tested once.
+    representative-triangles* (2008): a tree of boxes over the whole motion finds pairs of faces,
+    and each vertex and edge is tested once.
 
     Examples
     --------
@@ -105,8 +105,9 @@ class Deforming:
         """Return all pairs of a vertex and a face, or of two edges, that touch during the motion.
 
         No contact is missed, and every pair touches unless its `t_upper` is infinite. Two surfaces
-        that do not intersect at the start first touch at one of these pairs. The work is done on all
-        cores; it grows with the number of pairs of faces whose boxes over the whole motion overlap.
+        that do not intersect at the start first touch at one of these pairs. The work is done on
+        all cores; it grows with the number of pairs of faces whose boxes over the whole motion
+        overlap.
 
         Raises
         ------

@@ -208,9 +208,9 @@ class Mesh(PointQueries):
     def convex_parts(self, *, concavity: float | None = None, max_parts: int = 64) -> ConvexParts:
         """Divide the solid of the mesh into convex parts, for programs that need convex shapes.
 
-        The hulls of the parts cover the solid, and no point of a hull is farther from the solid than
-        the `concavity` of the answer; both are proved. A convex mesh is one part, its hull. Hulls
-        may overlap.
+        The hulls of the parts cover the solid, and no point of a hull is farther from the solid
+        than the `concavity` of the answer; both are proved. A convex mesh is one part, its hull.
+        Hulls may overlap.
 
         Parameters
         ----------

@@ -67,8 +67,8 @@ fn rows(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[f64; 3]>> {
 }
 
 /// Returns contacts as columns: the kind (0 for a vertex and a face, 1 for a face and a vertex, 2
-/// for two edges), the features of both surfaces, (n, 2) each, with -1 after a vertex or a face, and
-/// both bounds of the time.
+/// for two edges), the features of both surfaces, (n, 2) each, with -1 after a vertex or a face,
+/// and both bounds of the time.
 fn columns<'py>(
     py: Python<'py>,
     find: impl FnOnce(&Budget<'_>) -> Result<Vec<SweptContact>, impinge::budget::Stopped> + Send + 'static,

@@ -83,8 +83,8 @@ impl Contacts {
     }
 }
 
-/// Returns how far the second of two shapes must move along a direction of length 1 to be beyond the
-/// first, rounded. It is negative if it is beyond it already.
+/// Returns how far the second of two shapes must move along a direction of length 1 to be beyond
+/// the first, rounded. It is negative if it is beyond it already.
 pub(super) fn depth_along(a: &Swept<'_>, b: &Swept<'_>, direction: [f64; 3]) -> f64 {
     if !a.is_before(b) {
         return depth_along(b, a, direction.map(|x| 0.0 - x));

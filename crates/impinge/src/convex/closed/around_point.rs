@@ -97,13 +97,31 @@ impl Near {
             _ => return None,
         };
         let vector = sub(&foot, point);
-        let length = length(&vector);
+        let length = self::length(&vector);
         let upper = length * (1.0 + 4.0 * UNIT_ROUNDOFF) + 32.0 * UNIT_ROUNDOFF * extent;
-        // The point of the other core that is nearest along the vector.
-        let back = std::array::from_fn(|k| -(0..3).map(|row| linear[row][k] * vector[row]).sum::<f64>());
-        let (farthest, _) = other.core.farthest(to_unit_entries(back), 0);
-        let along = if length > 0.0 { dot(&vector, &sub(&image(&farthest), point)) / length } else { 0.0 };
-        let lower = along - 4.0 * UNIT_ROUNDOFF * along.abs() - 64.0 * UNIT_ROUNDOFF * extent;
+        // The least distance along a vector, from the point of the other core that is nearest along
+        // it.
+        let lower_along = |vector: &Vector, length: f64| {
+            let back = std::array::from_fn(|k| -(0..3).map(|row| linear[row][k] * vector[row]).sum::<f64>());
+            let (farthest, _) = other.core.farthest(to_unit_entries(back), 0);
+            let along = if length > 0.0 { dot(vector, &sub(&image(&farthest), point)) / length } else { 0.0 };
+            along - 4.0 * UNIT_ROUNDOFF * along.abs() - 64.0 * UNIT_ROUNDOFF * extent
+        };
+        let (mut vector, mut lower) = (vector, lower_along(&vector, length));
+        if lower <= 0.5 * upper
+            && let Core::Turned(_) = other.core
+        {
+            // A short vector to a flat end is so tilted by rounding that the rim is beyond the
+            // point along it. The axis is not.
+            let axis = linear.map(|row| row[2]);
+            let sign = if dot(&axis, &vector) < 0.0 { -1.0 } else { 1.0 };
+            let scale = sign * length / self::length(&axis);
+            let upright = axis.map(|x| scale * x);
+            let lower_upright = lower_along(&upright, length);
+            if lower_upright > lower {
+                (vector, lower) = (upright, lower_upright);
+            }
+        }
         Some(Self { gap: Gap { lower: lower.max(0.0), upper, length }, foot, vector, extent })
     }
 }

@@ -5,11 +5,10 @@
 //! most space that hulls have outside the solid. A hull costs a few microseconds for each thousand
 //! points, and a volume is much faster to compute than a distance.
 //!
-//! Source: planes across three axes are those of Mamou and Ghorbel, *A simple and efficient approach
-//! for 3D mesh approximate convex decomposition*, 2009, and of Wei and others, *Approximate convex
-//! decomposition for 3D meshes with collision-aware concavity and tree search*, 2022. Ours departs
-//! in comparing volumes of hulls, in adding planes through many vertices, and in looking one cut
-//! ahead.
+//! Source: planes across three axes are those of Mamou and Ghorbel, *A simple and efficient
+//! approach for 3D mesh approximate convex decomposition*, 2009, and of Wei and others,
+//! *Approximate convex decomposition for 3D meshes with collision-aware concavity and tree search*,
+//! 2022. Ours departs in comparing volumes of hulls, and in adding planes through many vertices.
 
 use rayon::prelude::*;
 
@@ -38,8 +37,8 @@ const SAME_PLANE: f64 = 1.0 / (1_u64 << 30) as f64;
 /// whose walls must all be cut before any hull becomes smaller.
 const UNEVENNESS: f64 = 1.0 / 64.0;
 
-/// Returns the plane that divides a piece best, or `None` if no plane divides it. `hull` is the hull
-/// of the piece.
+/// Returns the plane that divides a piece best, or `None` if no plane divides it. `hull` is the
+/// hull of the piece.
 pub(super) fn best_plane(
     mesh: &Mesh,
     frame: &Frame,
@@ -95,8 +94,8 @@ fn offsets(frame: &Frame, axis: usize, [low, high]: [f64; 2], vertices: impl Ite
         along.chunk_by(|a, b| b - a <= width).map(|same| (same.len(), same[same.len() / 2])).collect();
     flat.retain(|&(count, _)| count >= MIN_VERTICES);
     flat.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)));
-    // In a frame that is not standard, sides of vertices in the plane are not decided. A plane beside
-    // them leaves their faces to one part.
+    // In a frame that is not standard, sides of vertices in the plane are not decided. A plane
+    // beside them leaves their faces to one part.
     let beside = if frame.is_standard { vec![0.0] } else { vec![-2.0 * width, 2.0 * width] };
     let flat = flat.into_iter().take(MAX_FLAT_PLACES);
     let all = flat.flat_map(|(_, offset)| beside.iter().map(move |by| offset + by)).chain(even);

@@ -2,8 +2,6 @@
 //!
 //! Proof: docs/notes/proof.md, L38. Guarded by `tests/it/solids/decomposition.rs`.
 
-use super::frame::{CutPlane, Frame};
-use crate::math::relative::UNIT_ROUNDOFF;
 use crate::math::vec3::Vector;
 
 /// A rounded position of a point, in the mesh frame. The exact point differs from it by at most
@@ -81,55 +79,4 @@ impl CutPoint {
 /// the other point is above, or may be.
 pub(super) fn crosses(below: Side, other: Side) -> bool {
     below.is_below() && (other.is_above() || other.is_inexact())
-}
-
-/// Returns the point at which the edge between two points crosses a plane. If the exact points are
-/// on the same side of the plane, which inexact sides permit, it returns a bound for one of them.
-///
-/// # Accuracy
-/// Let s and s' be the exact sides and t = s / (s - s') the exact parameter. With an error of at
-/// most e in both sides and with rounding, the computed t differs by at most e / (|s - s'| - 2e) +
-/// 4 u. The point (1 - t) a + t b then differs by at most the larger error of a and b, the error of
-/// t times |b - a|, and 8 u of the larger magnitude.
-pub(super) fn crossing(
-    frame: &Frame,
-    plane: CutPlane,
-    (a, side_a): (&CutPoint, Side),
-    (b, side_b): (&CutPoint, Side),
-) -> CutPoint {
-    let span = side_a.value - side_b.value;
-    let error = side_a.error.max(side_b.error) + 2.0 * UNIT_ROUNDOFF * span.abs();
-    let (t, spread) = if span.abs() > 4.0 * error {
-        ((side_a.value / span).clamp(0.0, 1.0), error / (span.abs() - 2.0 * error) + 4.0 * UNIT_ROUNDOFF)
-    } else {
-        (0.5, 0.5)
-    };
-    let is_crossed = (side_a.is_above() && side_b.is_below()) || (side_a.is_below() && side_b.is_above());
-    let mut point = CutPoint::exact(a.at);
-    for k in 0..3 {
-        let (from, to) = (a.at[k], b.at[k]);
-        let inherited = a.error[k].max(b.error[k]);
-        if frame.is_standard && k == plane.axis && is_crossed {
-            point.at[k] = plane.offset;
-        } else if from != to || inherited > 0.0 {
-            point.at[k] = from + t * (to - from);
-            let rounding = 8.0 * UNIT_ROUNDOFF * from.abs().max(to.abs()) + f64::MIN_POSITIVE;
-            point.error[k] = (inherited + spread * (to - from).abs()) * (1.0 + 8.0 * UNIT_ROUNDOFF) + rounding;
-        }
-    }
-    point
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn edges_along_an_axis_are_cut_exactly() {
-        let (a, b) = (CutPoint::exact([0.0, 1.0, 2.0]), CutPoint::exact([7.0, 1.0, 2.0]));
-        let plane = CutPlane { axis: 0, offset: 1.0 / 3.0 };
-        let sides = [&a, &b].map(|point| Frame::STANDARD.side(plane, point));
-        let found = crossing(&Frame::STANDARD, plane, (&a, sides[0]), (&b, sides[1]));
-        assert_eq!((found.at, found.is_exact()), ([1.0 / 3.0, 1.0, 2.0], true));
-    }
 }

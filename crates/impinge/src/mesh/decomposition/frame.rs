@@ -58,9 +58,9 @@ impl Frame {
     /// Returns the side of a plane on which a point is.
     ///
     /// # Accuracy
-    /// In the standard frame one subtraction is rounded, which keeps its sign. Otherwise the product
-    /// of n terms has an error of 3.1 u of the sum of their magnitudes, and the subtraction one of
-    /// u, where u is 2^-53.
+    /// In the standard frame one subtraction is rounded, which keeps its sign. Otherwise the
+    /// product of n terms has an error of 3.1 u of the sum of their magnitudes, and the subtraction
+    /// one of u, where u is 2^-53.
     pub(super) fn side(&self, plane: CutPlane, point: &CutPoint) -> Side {
         let CutPlane { axis, offset } = plane;
         if self.is_standard {
@@ -89,6 +89,43 @@ impl Frame {
         let at = std::array::from_fn(|k| (0..3).map(|axis| self.axes[axis][k] * offsets[axis]).sum());
         CutPoint { at, error: [(2.0 * self.deviation + 16.0 * UNIT_ROUNDOFF) * size + f64::MIN_POSITIVE; 3] }
     }
+
+    /// Returns the point at which the edge between two points crosses a plane. If the exact points are
+    /// on the same side of the plane, which inexact sides permit, it returns a bound for one of them.
+    ///
+    /// # Accuracy
+    /// Let s and s' be the exact sides and t = s / (s - s') the exact parameter. With an error of at
+    /// most e in both sides and with rounding, the computed t differs by at most e / (|s - s'| - 2e) +
+    /// 4 u. The point (1 - t) a + t b then differs by at most the larger error of a and b, the error of
+    /// t times |b - a|, and 8 u of the larger magnitude.
+    pub(super) fn crossing(
+        &self,
+        plane: CutPlane,
+        (a, side_a): (&CutPoint, Side),
+        (b, side_b): (&CutPoint, Side),
+    ) -> CutPoint {
+        let span = side_a.value - side_b.value;
+        let error = side_a.error.max(side_b.error) + 2.0 * UNIT_ROUNDOFF * span.abs();
+        let (t, spread) = if span.abs() > 4.0 * error {
+            ((side_a.value / span).clamp(0.0, 1.0), error / (span.abs() - 2.0 * error) + 4.0 * UNIT_ROUNDOFF)
+        } else {
+            (0.5, 0.5)
+        };
+        let is_crossed = (side_a.is_above() && side_b.is_below()) || (side_a.is_below() && side_b.is_above());
+        let mut point = CutPoint::exact(a.at);
+        for k in 0..3 {
+            let (from, to) = (a.at[k], b.at[k]);
+            let inherited = a.error[k].max(b.error[k]);
+            if self.is_standard && k == plane.axis && is_crossed {
+                point.at[k] = plane.offset;
+            } else if from != to || inherited > 0.0 {
+                point.at[k] = from + t * (to - from);
+                let rounding = 8.0 * UNIT_ROUNDOFF * from.abs().max(to.abs()) + f64::MIN_POSITIVE;
+                point.error[k] = (inherited + spread * (to - from).abs()) * (1.0 + 8.0 * UNIT_ROUNDOFF) + rounding;
+            }
+        }
+        point
+    }
 }
 
 impl Cell {
@@ -115,5 +152,19 @@ impl Cell {
             .map(move |corner| std::array::from_fn(|k| if corner >> k & 1 == 0 { self.low[k] } else { self.high[k] }))
             .filter(|offsets: &Vector| offsets.iter().all(|offset| offset.is_finite()))
             .map(|offsets| frame.point(offsets))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_along_an_axis_are_cut_exactly() {
+        let (a, b) = (CutPoint::exact([0.0, 1.0, 2.0]), CutPoint::exact([7.0, 1.0, 2.0]));
+        let plane = CutPlane { axis: 0, offset: 1.0 / 3.0 };
+        let sides = [&a, &b].map(|point| Frame::STANDARD.side(plane, point));
+        let found = Frame::STANDARD.crossing(plane, (&a, sides[0]), (&b, sides[1]));
+        assert_eq!((found.at, found.is_exact()), ([1.0 / 3.0, 1.0, 2.0], true));
     }
 }

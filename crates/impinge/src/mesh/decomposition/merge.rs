@@ -44,7 +44,8 @@ pub(super) fn merge(mesh: &Mesh, parts: Vec<Part>, concavity: f64, max_parts: us
             && !is_measured(&merging.unions[at])
         {
             let Some(hull) = merging.common_hull(merging.unions[at].of) else { break };
-            // One point that is farther is enough to reject the hull, unless there are too many parts.
+            // One point that is farther is enough to reject the hull, unless there are too many
+            // parts.
             let ratio = if merging.count > max_parts { FORCED_RATIO } else { f64::INFINITY };
             let outside = Outside::of(mesh, &hull, Goal { enough: concavity, ratio }, budget);
             merging.unions[at].upper = Some(outside.upper);

@@ -171,8 +171,8 @@ impl Mesh {
     ///
     /// # Complexity
     /// For each level of cuts, a few dozen hulls of the points of each piece. To prove a bound c on
-    /// a hull takes about as many queries of points as boxes of radius c / 2 that cover its surface,
-    /// at most 2^15. The budget is checked between two hulls.
+    /// a hull takes about as many queries of points as boxes of radius c / 2 that cover its
+    /// surface, at most 2^15. The budget is checked between two hulls.
     pub fn convex_parts(&self, options: DecompositionOptions, budget: &Budget<'_>) -> Result<ConvexParts, InputError> {
         let concavity = self.validate_decomposition(options)?;
         let whole = Piece::whole(self);

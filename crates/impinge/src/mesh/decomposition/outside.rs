@@ -4,8 +4,8 @@
 //! Boxes cover the hull, and the box with the largest upper bound is halved first. Boxes beyond a
 //! plane of the hull are dropped. The distance from the solid changes by at most the way that a
 //! point moves, and the signed distance does so too. Both give bounds on a box from its center. The
-//! distance from one face of the mesh is a convex function, so it is largest at a corner of the box;
-//! that gives a third.
+//! distance from one face of the mesh is a convex function, so it is largest at a corner of the
+//! box; that gives a third.
 //!
 //! Proof: docs/notes/proof.md, L39. Guarded by `tests/it/solids/decomposition.rs`.
 
@@ -153,8 +153,8 @@ impl Search<'_> {
         }
     }
 
-    /// Returns an upper bound on the distance of the points of a box from the solid, and records the
-    /// distance of its center if that is in the hull.
+    /// Returns an upper bound on the distance of the points of a box from the solid, and records
+    /// the distance of its center if that is in the hull.
     fn upper_bound(&mut self, task: &Task) -> f64 {
         let radius = length(&task.half_extents.map(|x| x * self.scale)) / self.scale;
         let Ok(Some(nearest)) = self.mesh.closest_point(task.center) else { return f64::INFINITY };

@@ -1,13 +1,13 @@
 //! The part of a solid in one cell, and how a plane divides it.
 //!
-//! The extreme points of the part of a solid S in a convex cell C are corners of C in S, and corners
-//! of the polygons that C cuts out of the faces. Proof: an extreme point away from the faces is one
-//! of C. Any other is on a face T, and an extreme point of the convex polygon T ∩ C. So the cut
-//! surface needs no caps, and it may be any closed mesh.
+//! The extreme points of the part of a solid S in a convex cell C are corners of C in S, and
+//! corners of the polygons that C cuts out of the faces. Proof: an extreme point away from the
+//! faces is one of C. Any other is on a face T, and an extreme point of the convex polygon T ∩ C.
+//! So the cut surface needs no caps, and it may be any closed mesh.
 //!
 //! Proof: docs/notes/proof.md, L38. Guarded by `tests/it/solids/decomposition.rs`.
 
-use super::cut_point::{CutPoint, Side, crosses, crossing};
+use super::cut_point::{CutPoint, Side, crosses};
 use super::frame::{Cell, CutPlane, Frame};
 use crate::exact::{PosedPoint, Spot};
 use crate::math::vec3::{Vector, length};
@@ -66,9 +66,9 @@ impl Piece {
         self.cell.middle(frame).is_some_and(|middle| may_contain(&mut classifier, &middle))
     }
 
-    /// Returns the parts of the piece below and above a plane. A polygon in the plane belongs to the
-    /// part behind it. Other polygons belong to a part only if they reach into its interior, so a
-    /// wall that ends at the plane does not.
+    /// Returns the parts of the piece below and above a plane. A polygon in the plane belongs to
+    /// the part behind it. Other polygons belong to a part only if they reach into its interior, so
+    /// a wall that ends at the plane does not.
     pub(super) fn halves(&self, mesh: &Mesh, frame: &Frame, plane: CutPlane) -> [Self; 2] {
         let mut halves = self.cell.halves(plane).map(Self::empty);
         let side = |point: &CutPoint| frame.side(plane, point);
@@ -113,8 +113,8 @@ impl Piece {
 
     /// Adds the part of a convex polygon that is not below a plane, if it has a point above.
     ///
-    /// Source: Sutherland and Hodgman, *Reentrant polygon clipping*, 1974. Corners whose side is not
-    /// decided are kept, so the result contains the exact part.
+    /// Source: Sutherland and Hodgman, *Reentrant polygon clipping*, 1974. Corners whose side is
+    /// not decided are kept, so the result contains the exact part.
     fn push_clipped(&mut self, frame: &Frame, plane: CutPlane, polygon: &[CutPoint], sides: &[Side]) {
         if sides.iter().all(|side| side.is_below() || side.is_on()) {
             return;
@@ -125,7 +125,7 @@ impl Piece {
                 self.corners.push(polygon[at]);
             }
             if crosses(sides[at], sides[next]) || crosses(sides[next], sides[at]) {
-                self.corners.push(crossing(frame, plane, (&polygon[at], sides[at]), (&polygon[next], sides[next])));
+                self.corners.push(frame.crossing(plane, (&polygon[at], sides[at]), (&polygon[next], sides[next])));
             }
         }
         self.ends.push(self.corners.len());
