@@ -27,14 +27,14 @@ def test_the_bars_of_a_channel_are_parts_that_cover_it() -> None:
     shape = impinge.Shape.of_parts(parts)
     points = np.random.default_rng(1).uniform([-1, -1, -1], [5, 5, 2], (500, 3))
     inside = CHANNEL.contains(points)
-    assert 50 < inside.sum() < 450
+    assert 30 < inside.sum() < 450
     point = impinge.Shape.sphere(0)
     poses = impinge.pose(points)
     assert (impinge.intersects(shape, point, pose_b=poses) >= inside).all()
 
 
 def test_bounds_hold_at_points_of_the_hulls() -> None:
-    parts = CHANNEL.convex_parts(concavity=9, max_parts=1)
+    parts = CHANNEL.convex_parts(concavity=0.5, max_parts=1)
     (part,) = parts.parts
     weights = np.random.default_rng(2).dirichlet(np.full(len(part.vertices), 0.2), 2000)
     distance = np.maximum(CHANNEL.signed_distance(weights @ part.vertices), 0)

@@ -36,7 +36,7 @@ def test_a_falling_vertex_touches_the_ground_at_the_known_time() -> None:
 def test_contacts_are_those_of_all_pairs_of_features() -> None:
     rng = np.random.default_rng(3)
     counted = 0
-    for _ in range(20):
+    for _ in range(80):
         (faces_a, a0, a1), (faces_b, b0, b1) = random_surface(rng), random_surface(rng)
         contacts = Deforming(faces_a, a0, a1).contacts(Deforming(faces_b, b0, b1))
         found = {

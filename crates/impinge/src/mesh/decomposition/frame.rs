@@ -90,14 +90,15 @@ impl Frame {
         CutPoint { at, error: [(2.0 * self.deviation + 16.0 * UNIT_ROUNDOFF) * size + f64::MIN_POSITIVE; 3] }
     }
 
-    /// Returns the point at which the edge between two points crosses a plane. If the exact points are
-    /// on the same side of the plane, which inexact sides permit, it returns a bound for one of them.
+    /// Returns the point at which the edge between two points crosses a plane. If the exact points
+    /// are on the same side of the plane, which inexact sides permit, it returns a bound for one of
+    /// them.
     ///
     /// # Accuracy
-    /// Let s and s' be the exact sides and t = s / (s - s') the exact parameter. With an error of at
-    /// most e in both sides and with rounding, the computed t differs by at most e / (|s - s'| - 2e) +
-    /// 4 u. The point (1 - t) a + t b then differs by at most the larger error of a and b, the error of
-    /// t times |b - a|, and 8 u of the larger magnitude.
+    /// Let s and s' be the exact sides and t = s / (s - s') the exact parameter. With an error of
+    /// at most e in both sides and with rounding, the computed t differs by at most e / (|s - s'| -
+    /// 2e) + 4 u. The point (1 - t) a + t b then differs by at most the larger error of a and b,
+    /// the error of t times |b - a|, and 8 u of the larger magnitude.
     pub(super) fn crossing(
         &self,
         plane: CutPlane,
