@@ -144,7 +144,8 @@ impl Mesh {
     /// let top = [[6, 7, 9], [7, 8, 9], [6, 9, 11], [9, 10, 11]];
     /// let bottom = top.map(|[a, b, c]: [u32; 3]| [a - 6, c - 6, b - 6]);
     /// let sides = (0..6).flat_map(|k| [[k, (k + 1) % 6, k + 6], [(k + 1) % 6, (k + 1) % 6 + 6, k + 6]]);
-    /// let mesh = Mesh::new(corners, top.into_iter().chain(bottom).chain(sides).collect())?;
+    /// let faces: Vec<_> = top.into_iter().chain(bottom).chain(sides).collect();
+    /// let mesh = Mesh::new(corners, faces)?;
     ///
     /// let options = DecompositionOptions { concavity: Some(0.1), ..Default::default() };
     /// let parts = mesh.convex_parts(options, Budget::unlimited())?;
