@@ -74,7 +74,7 @@ def examples():
         scene.check(), Shape.box([1, 2, 3]), caught.value, impinge.LoadWarning("a warning"), impinge.Status.SINGULAR,
         impinge.intersecting_pairs(box, box, limit=3), impinge.fit.obb(points), impinge.fit.capsule(points),
         impinge.fit.lozenge(points), impinge.fit.aabb(points), impinge.fit.kdop(points), *boxes, request, result,
-        impinge.fit.proxies(box),
+        impinge.fit.proxies(box), box.convex_parts(), box.convex_parts().parts[0],
         result.contacts[0], fcl.CollisionData(), fcl.DistanceRequest(), fcl.DistanceResult(), fcl.DistanceData(), one,
         manager, crowd, distances, data[0], fcl.BVHModel(), fcl.Capsule(1, 2), fcl.Cone(1, 2), fcl.Cylinder(1, 2),
         fcl.Sphere(1), fcl.Ellipsoid(1, 2, 3), fcl.Halfspace([0, 0, 1], 0), fcl.TriangleP(*TRIANGLE[0][:3]),
