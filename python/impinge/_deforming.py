@@ -42,7 +42,7 @@ class SweptContacts:
 
     @property
     def first(self) -> float:
-        """Lower bound of the time of the first contact; infinite if there is none."""
+        """Lower bound of the time of the first contact; infinite without a contact."""
         return float(self.t_lower.min(initial=np.inf))
 
     def __len__(self) -> int:

@@ -68,6 +68,10 @@ impl Over {
 /// O(n log n + k) for n polygons and k pairs whose shadows overlap along one axis.
 pub(super) fn overlap(a: &[Facing], b: &[Facing], normal: &[f64; 3], near: f64, found: &mut Places) {
     let axes = across(normal);
+    if let ([a], [b]) = (a, b) {
+        // As for almost all shapes, so no lists are needed.
+        return overlap_of_two(&Shadow::new(a, &axes, near), &Shadow::new(b, &axes, near), found);
+    }
     let [a, b] = [a, b].map(|all| all.iter().map(|one| Shadow::new(one, &axes, near)).collect::<Vec<_>>());
     let mut by_left: Vec<usize> = (0..b.len()).collect();
     by_left.sort_by(|&i, &j| b[i].bounds[0][0].total_cmp(&b[j].bounds[0][0]));

@@ -26,8 +26,8 @@ impl Crop {
 }
 
 impl HeightField {
-    /// Returns a mesh of some faces, which must exist, or `None` if there are none or the mesh is
-    /// too large.
+    /// Returns a mesh of some faces, which must exist. Returns `None` if the list is empty or the
+    /// mesh is too large.
     pub(crate) fn crop(&self, mut faces: Vec<u32>) -> Option<Crop> {
         if faces.is_empty() {
             return None;

@@ -48,7 +48,7 @@ struct Data {
     columns: u32,
     spacing: [f64; 2],
     heights: Vec<f32>,
-    /// One bit for each cell, set for holes. Empty if there are none.
+    /// One bit for each cell, set for holes. Empty for a field without holes.
     holes: Vec<u64>,
     blocks: Blocks,
 }

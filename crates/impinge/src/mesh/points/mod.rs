@@ -10,3 +10,5 @@ pub(super) mod nearest;
 mod point_packet;
 pub(super) mod ray_packet;
 pub(super) mod rays;
+#[cfg(test)]
+mod small_triangles;

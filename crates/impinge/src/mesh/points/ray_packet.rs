@@ -93,8 +93,7 @@ mod tests {
     use impinge_testkit::generate::Rng;
 
     use super::*;
-    use crate::hierarchy::Builder;
-    use crate::mesh::{Mesh, Positions};
+    use crate::mesh::points::small_triangles::SmallTriangles;
     use crate::primitive::ray_triangle;
     use crate::simd::kernel_levels;
 
@@ -105,17 +104,7 @@ mod tests {
         let mut rng = Rng::new(77);
         let (mut intersected, mut kept, mut left_out) = (0, 0, 0);
         for round in 0..600 {
-            let size = 2.0_f64.powi(-(round % 30));
-            let center = [0; 3].map(|_| rng.uniform(-1.0, 1.0));
-            // On a coarse grid, so that many triangles are flat, edge-on or without area. Two more
-            // vertices keep the frame at size one.
-            let mut vertices: Vec<[f64; 3]> =
-                (0..24).map(|_| center.map(|x| x + size * rng.integer(-4, 4) as f64 / 4.0)).collect();
-            vertices.extend([[-1.0; 3], [1.0; 3]]);
-            let faces: Vec<[u32; 3]> = (0..8).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).chain([[24, 25, 25]]).collect();
-            // The small triangles have a packet of their own.
-            let positions = Positions::F64(vertices.clone());
-            let mesh = Mesh::with_builder(positions, faces, Builder::Morton).expect("a valid mesh");
+            let SmallTriangles { size, center, vertices, mesh } = SmallTriangles::random(&mut rng, round);
             for _ in 0..10 {
                 let far = 2.0_f64.powi(rng.integer(-4, 12) as i32);
                 let origin = [0, 1, 2].map(|k| center[k] + far * rng.uniform(-1.0, 1.0));

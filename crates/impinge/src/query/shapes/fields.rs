@@ -21,13 +21,13 @@ const NOWHERE: Separation =
     Separation { lower: f64::INFINITY, upper: f64::INFINITY, points: [[0.0; 3]; 2], proximity: Proximity::Apart };
 
 /// Returns a mesh of the faces of a height field that may be within `reach` of a surface. Returns
-/// `None` if there are none.
+/// `None` if all faces are farther.
 pub(super) fn crop_near<F: Faces>(field: &Field<'_>, other: &Surface<'_, F>, reach: f64) -> Option<Crop> {
     field.mesh.crop(field.faces_near_box(other.world_bounds()?, reach))
 }
 
 /// Returns meshes of the faces of two height fields that may be within `reach` of each other.
-/// Returns `None` if there are none.
+/// Returns `None` if all faces are farther.
 pub(super) fn crops_near(a: &Field<'_>, b: &Field<'_>, reach: f64) -> Option<[Crop; 2]> {
     let crop_a = crop_near(a, b, reach)?;
     let crop_b = crop_near(b, &surface_of_crop(&crop_a, a), reach)?;
