@@ -70,6 +70,8 @@ pub(super) struct Derived {
     pub(super) far_field: OnceLock<FarField>,
     /// Components of the faces that are connected along edges.
     pub(super) sheets: OnceLock<Components>,
+    /// The flat parts of the surface.
+    pub(super) facets: OnceLock<Components>,
     /// Boxes about the border, and the distance beyond which it does not matter.
     pub(super) cap: OnceLock<Cap>,
     /// Faces that are copies of another face.

@@ -71,6 +71,19 @@ impl Cell {
         self.corners.iter().map(|corner| &corner.at)
     }
 
+    /// Returns the cell, moved.
+    pub(super) fn translated(&self, by: &Vector) -> Self {
+        let corners = self.corners.iter().map(|corner| Corner { at: add(&corner.at, by), ..*corner }).collect();
+        let moved = |plane: &Plane| Plane { height: plane.height + dot(&plane.normal, by), ..*plane };
+        Self { corners, planes: self.planes.iter().map(moved).collect() }
+    }
+
+    /// Returns the planes that the cell has corners on.
+    pub(super) fn planes(&self) -> impl Iterator<Item = &Plane> {
+        let used = self.corners.iter().fold(0, |used, corner| used | corner.on);
+        self.planes.iter().enumerate().filter(move |(at, _)| used >> at & 1 == 1).map(|(_, plane)| plane)
+    }
+
     /// Returns the mean of the corners, which lies in the cell.
     pub(super) fn center(&self) -> Vector {
         let sum = self.corners().fold([0.0; 3], |sum, at| add(&sum, at));
@@ -145,25 +158,35 @@ impl Cell {
     /// triangle does not reach the grown cell.
     pub(super) fn clip(&self, triangle: &[Vector; 3], margin: f64) -> Vec<Vector> {
         let mut polygon = triangle.to_vec();
-        let mut used = self.corners.iter().fold(0, |used, corner| used | corner.on);
-        let mut clipped = Vec::new();
-        while used != 0 && !polygon.is_empty() {
-            let plane = &self.planes[used.trailing_zeros() as usize];
-            used &= used - 1;
+        let (mut clipped, mut beyond) = (Vec::new(), Vec::new());
+        for plane in self.planes() {
+            beyond.clear();
+            beyond.extend(polygon.iter().map(|point| plane.beyond(point) - margin));
+            if beyond.iter().all(|&x| x <= 0.0) {
+                continue;
+            }
+            if beyond.iter().all(|&x| x > 0.0) {
+                return Vec::new();
+            }
             clipped.clear();
-            for (at, point) in polygon.iter().enumerate() {
-                let next = &polygon[(at + 1) % polygon.len()];
-                let [x, y] = [point, next].map(|point| plane.beyond(point) - margin);
+            for at in 0..polygon.len() {
+                let next = (at + 1) % polygon.len();
+                let (x, y) = (beyond[at], beyond[next]);
                 if x <= 0.0 {
-                    clipped.push(*point);
+                    clipped.push(polygon[at]);
                 }
                 if x < 0.0 && y > 0.0 || x > 0.0 && y < 0.0 {
-                    clipped.push(add(point, &scale(&sub(next, point), x / (x - y))));
+                    clipped.push(add(&polygon[at], &scale(&sub(&polygon[next], &polygon[at]), x / (x - y))));
                 }
             }
             std::mem::swap(&mut polygon, &mut clipped);
         }
         polygon
+    }
+
+    /// Reports whether a triangle is beyond one of the planes by more than a margin.
+    pub(super) fn is_beside(&self, triangle: &[Vector; 3], margin: f64) -> bool {
+        self.planes().any(|plane| triangle.iter().all(|corner| plane.beyond(corner) > margin))
     }
 }
 

@@ -48,8 +48,23 @@ pub(super) struct Found {
     pub(super) is_open: bool,
 }
 
-/// Number of faces in a cell above which the cell is halved, and not divided along one of them.
-const MANY_FACES: usize = 12;
+/// Number of flat parts of both solids in a cell above which the cell is halved, and not divided
+/// along one of them.
+const MANY_FACETS: usize = 12;
+
+/// Number of facets whose normals are tried as the way out for a cell.
+const MAX_WAYS_OUT: usize = 4;
+
+/// Relative difference from the threshold below which the bound of a cell is a tie. More than a few
+/// ties mean that the depth is about the threshold, and more cells would not decide.
+const TIE: f64 = 1.0 / 4096.0;
+
+/// Number of cells with ties that are divided.
+const MAX_TIES: usize = 256;
+
+/// Distance up to which faces are near a cell, in units of the threshold. Faces that are farther do
+/// not decide whether a point is deeper.
+const RANGE: f64 = 1.5;
 
 /// Relative width of the interval at which the search for the greatest depth stops.
 const RELATIVE_WIDTH: f64 = 1.0 / 1024.0;
@@ -82,6 +97,8 @@ struct Piece {
 /// One solid, seen from a cell.
 #[derive(Clone)]
 struct Local {
+    /// The flat parts that may be near a point of the cell.
+    facets: Vec<u32>,
     /// The faces that may be the nearest to a point of the cell.
     near: Vec<u32>,
     /// The faces that reach the cell.
@@ -102,20 +119,24 @@ impl<'s, 'm> Search<'s, 'm> {
     pub(super) fn run(mut self, bounds: &[Vector; 2], budget: &Budget<'_>) -> Found {
         // The box is grown, so that a box without thickness has some.
         let grown = [bounds[0].map(|x| x - 4.0 * self.slack), bounds[1].map(|x| x + 4.0 * self.slack)];
-        let all = [0, 1].map(|side| (0..self.sides[side].faces.len() as u32).collect::<Vec<_>>());
-        let local = all.map(|faces| Local {
-            near: faces.clone(),
-            touching: faces,
+        let local = self.sides.each_ref().map(|side| Local {
+            facets: (0..side.facets.len() as u32).collect(),
+            near: (0..side.faces.len() as u32).collect(),
+            touching: (0..side.faces.len() as u32).collect(),
             is_inside: false,
             reach: f64::INFINITY,
         });
         self.push(Cell::cuboid(&grown), &local, f64::INFINITY);
+        let mut ties = 0;
         while let Some(piece) = self.heap.pop() {
             if piece.upper <= self.target() || self.is_decided() {
                 self.settled = self.settled.max(piece.upper);
                 break;
             }
-            if self.count > self.goal.max_cells || budget.is_spent() {
+            // The bounds of all cells that are left are about the threshold.
+            let is_tie = self.goal.threshold.is_some_and(|threshold| piece.upper <= threshold * (1.0 + TIE));
+            ties += usize::from(is_tie);
+            if ties > MAX_TIES || self.count > self.goal.max_cells || budget.is_spent() {
                 self.settled = self.settled.max(piece.upper);
                 break;
             }
@@ -159,11 +180,9 @@ impl<'s, 'm> Search<'s, 'm> {
                 let face = &faces[face as usize];
                 gap(&face.bounds, &bounds) <= 0.0 && self.reaches(face, &cell)
             };
-            Local {
-                near: Vec::new(),
-                touching: parent[side].touching.iter().filter(reaches).copied().collect(),
-                ..parent[side]
-            }
+            let Local { is_inside, reach, .. } = parent[side];
+            let touching = parent[side].touching.iter().filter(reaches).copied().collect();
+            Local { facets: Vec::new(), near: Vec::new(), touching, is_inside, reach }
         });
         for side in 0..2 {
             if local[side].touching.is_empty() && !local[side].is_inside {
@@ -177,11 +196,14 @@ impl<'s, 'm> Search<'s, 'm> {
         let mut cell_upper: f64 = 0.0;
         for side in (0..2).filter(|&side| self.goal.measured[side]) {
             let own = &mut local[side];
-            own.reach = self.reach(side, &cell, &parent[side].near).min(parent[side].reach);
+            own.reach = self.reach(side, &cell, &parent[side]).min(parent[side].reach);
             cell_upper = cell_upper.max(own.reach);
-            let faces = &self.sides[side].faces;
-            let is_near = |&&face: &&u32| gap(&faces[face as usize].bounds, &bounds) <= own.reach;
+            let Side { faces, facets, .. } = &self.sides[side];
+            let range = self.goal.threshold.map_or(own.reach, |threshold| RANGE * threshold);
+            let is_near = |&&face: &&u32| gap(&faces[face as usize].bounds, &bounds) <= range;
             own.near = parent[side].near.iter().filter(is_near).copied().collect();
+            let is_near = |&&facet: &&u32| gap(&facets[facet as usize].bounds, &bounds) <= range;
+            own.facets = parent[side].facets.iter().filter(is_near).copied().collect();
         }
         let upper = upper.min(cell_upper);
         if upper <= self.target() {
@@ -204,7 +226,7 @@ impl<'s, 'm> Search<'s, 'm> {
                 return false;
             }
         }
-        !cell.clip(&face.corners, self.slack).is_empty()
+        !cell.is_beside(&face.corners, self.slack) && !cell.clip(&face.corners, self.slack).is_empty()
     }
 
     /// Returns whether a cell that no face reaches is on the side of a solid that counts, or `None`
@@ -231,23 +253,46 @@ impl<'s, 'm> Search<'s, 'm> {
     }
 
     /// Returns an upper bound of the distance of all points of a cell from the surface of a solid.
-    fn reach(&self, side: usize, cell: &Cell, near: &[u32]) -> f64 {
+    fn reach(&self, side: usize, cell: &Cell, parent: &Local) -> f64 {
+        let own = &self.sides[side];
         let mut best = f64::INFINITY;
-        for &face in near {
-            let corners = &self.sides[side].faces[face as usize].corners;
-            let mut worst: f64 = 0.0;
-            for corner in cell.corners() {
-                worst = worst.max(point_triangle(corner, corners).0);
-                if worst >= best {
-                    break;
-                }
+        for &facet in &parent.facets {
+            let facet = &own.facets[facet as usize];
+            let height = facet.height(cell);
+            if height < best && own.is_over(facet, cell, self.slack) {
+                best = height;
             }
-            best = best.min(worst);
+        }
+        let target = self.target();
+        if best + 2.0 * self.slack > target && self.can_leave(side, cell, parent) {
+            best = target - 2.0 * self.slack;
+        }
+        if best + 2.0 * self.slack <= target {
+            return best + 2.0 * self.slack;
         }
         let center = cell.center();
-        let radius = cell.corners().map(|corner| squared_distance(&center, corner)).fold(0.0, f64::max).sqrt();
-        let around = self.sides[side].nearest(&center, near).map_or(f64::INFINITY, |(squared, ..)| squared.sqrt());
-        best.sqrt().min(around + radius) + self.slack
+        if let Some((squared, _, face)) = own.nearest(&center, &parent.near) {
+            let radius = cell.corners().map(|corner| squared_distance(&center, corner)).fold(0.0, f64::max).sqrt();
+            let corners = &own.faces[face as usize].corners;
+            let farthest = cell.corners().map(|corner| point_triangle(corner, corners).0).fold(0.0, f64::max);
+            best = best.min(farthest.sqrt()).min(squared.sqrt() + radius);
+        }
+        best + 2.0 * self.slack
+    }
+
+    /// Reports whether some translation no longer than the target moves all of a cell that is thin
+    /// along a facet to the other side of the surface. Then all of its points are that near.
+    fn can_leave(&self, side: usize, cell: &Cell, parent: &Local) -> bool {
+        let own = &self.sides[side];
+        let length = self.target() - 4.0 * self.slack;
+        let facets = parent.facets.iter().map(|&facet| &own.facets[facet as usize]);
+        let thin = facets.filter(|facet| facet.height(cell) <= 0.5 * length);
+        thin.take(MAX_WAYS_OUT).any(|facet| {
+            let outward = if side == 0 && self.goal.outside_first { -length } else { length };
+            let moved = cell.translated(&scale(&facet.plane.normal, outward));
+            let stays = parent.near.iter().any(|&face| self.reaches(&own.faces[face as usize], &moved));
+            !stays && self.counts(side, &moved.center()) == Some(false)
+        })
     }
 
     /// Tries the center of a cell, and the middle of each face in it, as the deepest point.
@@ -272,7 +317,8 @@ impl<'s, 'm> Search<'s, 'm> {
     fn try_point(&mut self, piece: &Piece, point: Vector) {
         let depth = |side: usize| {
             let nearest = self.sides[side].nearest(&point, &piece.local[side].near);
-            nearest.map_or(0.0, |(squared, ..)| squared.sqrt()).min(self.margin) - self.slack
+            let range = self.goal.threshold.map_or(self.margin, |threshold| RANGE * threshold);
+            nearest.map_or(range, |(squared, ..)| squared.sqrt().min(range)) - self.slack
         };
         let measured = (0..2).filter(|&side| self.goal.measured[side]);
         let deepest = measured.map(depth).fold(0.0, f64::max);
@@ -294,15 +340,9 @@ impl<'s, 'm> Search<'s, 'm> {
     /// Divides a cell, and adds its parts.
     fn divide(&mut self, piece: Piece) {
         let Piece { cell, local, upper, .. } = piece;
-        let mut planes: Vec<Plane> = Vec::new();
-        let count: usize = local.iter().map(|own| own.touching.len()).sum();
-        if count <= MANY_FACES {
-            if let Some(face) = self.widest(&cell, &local) {
-                planes = self.around(face);
-            } else {
-                planes.extend(self.beside_face(&cell, &local));
-            }
-        }
+        let target = self.target();
+        let is_far = [0, 1].map(|side| self.goal.measured[side] && local[side].reach > target);
+        let planes = self.planes_that_divide(&cell, &local, is_far);
         let mut rest = vec![cell];
         let mut done = Vec::new();
         for plane in &planes {
@@ -331,63 +371,88 @@ impl<'s, 'm> Search<'s, 'm> {
         }
     }
 
-    /// Returns the face with the largest part in a cell, of those that the cell is not thin along.
-    fn widest(&self, cell: &Cell, local: &[Local; 2]) -> Option<&Face> {
-        let half = self.half_thickness() + self.slack;
-        let faces = (0..2).flat_map(|side| local[side].touching.iter().map(move |&face| (side, face)));
-        let faces = faces.map(|(side, face)| &self.sides[side].faces[face as usize]);
-        let is_wide = |face: &&Face| {
-            cell.corners().any(|corner| face.height(corner).is_some_and(|height| height.abs() > half))
+    /// Returns the planes that divide a cell best. `is_far` tells for each solid whether points of
+    /// the cell may be too far from its surface.
+    fn planes_that_divide(&self, cell: &Cell, local: &[Local; 2], is_far: [bool; 2]) -> Vec<Plane> {
+        let mut far = (0..2).filter(|&side| is_far[side]);
+        if let Some(plane) = far.find_map(|side| self.edge_of_thin_cell(cell, side, &local[side])) {
+            return vec![plane];
+        }
+        // Outside of one solid is enough, so the solid with fewer flat parts in the cell comes first.
+        let mut sides: Vec<(bool, usize, usize)> =
+            (0..2).map(|side| (!is_far[side], self.flat_parts(side, &local[side].touching), side)).collect();
+        sides.sort_unstable();
+        for (_, count, side) in sides {
+            let faces = local[side].touching.iter().map(|&face| &self.sides[side].faces[face as usize]);
+            let wide = faces.filter(|face| self.is_wide_along(cell, face));
+            if count > MANY_FACETS {
+                if wide.take(1).count() > 0 {
+                    return vec![self.fewest_faces(cell, local)];
+                }
+            } else if let Some(face) = largest_in(cell, wide, self.slack) {
+                return self.around(face);
+            }
+        }
+        self.beside_face(cell, local).into_iter().collect()
+    }
+
+    /// Returns the number of flat parts of some faces.
+    fn flat_parts(&self, side: usize, faces: &[u32]) -> usize {
+        faces.chunk_by(|&x, &y| self.sides[side].facet_of[x as usize] == self.sides[side].facet_of[y as usize]).count()
+    }
+
+    /// Returns a plane through the border of a facet that a cell is thin along, if the border
+    /// divides the cell.
+    fn edge_of_thin_cell(&self, cell: &Cell, side: usize, local: &Local) -> Option<Plane> {
+        let target = self.target();
+        let facets = local.facets.iter().map(|&facet| &self.sides[side].facets[facet as usize]);
+        facets.filter(|facet| facet.height(cell) <= target).find_map(|facet| facet.edge_below(cell, self.slack))
+    }
+
+    /// Returns the plane across the middle of a cell that leaves the fewest faces in both halves.
+    /// The halves of a long rod, cut across, have all its faces.
+    fn fewest_faces(&self, cell: &Cell, local: &[Local; 2]) -> Plane {
+        let [low, high] = cell.bounds();
+        let faces = |axis: usize| {
+            let at = 0.5 * (low[axis] + high[axis]);
+            let count = |side: usize| {
+                let bounds = local[side].touching.iter().map(|&face| &self.sides[side].faces[face as usize].bounds);
+                bounds.map(|[low, high]| usize::from(low[axis] < at) + usize::from(high[axis] > at)).sum::<usize>()
+            };
+            count(0) + count(1)
         };
-        let sized = faces.filter(is_wide).map(|face| (area(&cell.clip(&face.corners, self.slack)), face));
-        sized.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, face)| face)
+        let extent = |axis: usize| high[axis] - low[axis];
+        let is_long = |&axis: &usize| extent(axis) > 4.0 * self.half_thickness();
+        let best =
+            (0..3).filter(is_long).min_by(|&x, &y| faces(x).cmp(&faces(y)).then(extent(y).total_cmp(&extent(x))));
+        best.map_or_else(|| middle(cell), |axis| across(axis, 0.5 * (low[axis] + high[axis])))
+    }
+
+    /// Reports whether a cell is thicker, at right angles to a face, than the cells around faces.
+    fn is_wide_along(&self, cell: &Cell, face: &Face) -> bool {
+        let half = self.half_thickness() + self.slack;
+        face.normal.is_some_and(|normal| {
+            let level = dot(&normal, &face.corners[0]);
+            cell.corners().any(|corner| (dot(&normal, corner) - level).abs() > half)
+        })
     }
 
     /// Returns the planes that cut a thin cell out around a face.
     fn around(&self, face: &Face) -> Vec<Plane> {
         let Some(normal) = face.normal else { return Vec::new() };
         let (level, half) = (dot(&normal, &face.corners[0]), self.half_thickness());
-        vec![
-            Plane { normal, height: level + half },
-            Plane { normal: scale(&normal, -1.0), height: half - level },
-        ]
+        vec![Plane { normal, height: level + half }, Plane { normal: scale(&normal, -1.0), height: half - level }]
     }
 
-    /// Returns the plane that divides a cell best where only distances matter: beside the face that
-    /// is nearest to its center, or else between the center and that face.
+    /// Returns the plane between the center of a cell and the surface that is nearest to it.
     fn beside_face(&self, cell: &Cell, local: &[Local; 2]) -> Option<Plane> {
-        let side = (0..2).filter(|&side| self.goal.measured[side]).max_by(|&x, &y| {
-            local[x].reach.total_cmp(&local[y].reach)
-        })?;
+        let measured = (0..2).filter(|&side| self.goal.measured[side]);
+        let side = measured.max_by(|&x, &y| local[x].reach.total_cmp(&local[y].reach))?;
         let center = cell.center();
-        let (squared, foot, face) = self.sides[side].nearest(&center, &local[side].near)?;
-        let face = &self.sides[side].faces[face as usize];
-        let edges = (0..3).filter_map(|at| edge_plane(face, at));
-        let outermost = edges
-            .map(|plane| {
-                let beyond = cell.corners().map(|corner| plane.beyond(corner));
-                (beyond.fold(f64::NEG_INFINITY, f64::max), plane)
-            })
-            .max_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((beyond, plane)) = outermost
-            && beyond > self.half_thickness()
-            && cell.corners().any(|corner| plane.beyond(corner) < -self.slack)
-        {
-            return Some(plane);
-        }
-        if squared.sqrt() <= 4.0 * self.slack {
-            return None;
-        }
-        let normal = unit(&sub(&center, &foot))?;
+        let (_, foot, face) = self.sides[side].nearest(&center, &local[side].near)?;
+        let normal = unit(&sub(&center, &foot)).or(self.sides[side].faces[face as usize].normal)?;
         Some(Plane { normal, height: dot(&normal, &center) })
     }
-}
-
-/// Returns the plane through an edge of a face, at right angles to the face. The face is inside.
-fn edge_plane(face: &Face, at: usize) -> Option<Plane> {
-    let (from, to) = (face.corners[at], face.corners[(at + 1) % 3]);
-    let normal = unit(&cross(&sub(&to, &from), &face.normal?))?;
-    Some(Plane { normal, height: dot(&normal, &from) })
 }
 
 /// Returns the plane across the longest extent of a cell, through its middle.
@@ -395,15 +460,27 @@ fn middle(cell: &Cell) -> Plane {
     let [low, high] = cell.bounds();
     let extent = |axis: usize| high[axis] - low[axis];
     let longest = (0..3).fold(0, |best, axis| if extent(axis) > extent(best) { axis } else { best });
+    across(longest, 0.5 * (low[longest] + high[longest]))
+}
+
+/// Returns the plane across an axis at a height.
+fn across(axis: usize, height: f64) -> Plane {
     let mut normal = [0.0; 3];
-    normal[longest] = 1.0;
-    Plane { normal, height: 0.5 * (low[longest] + high[longest]) }
+    normal[axis] = 1.0;
+    Plane { normal, height }
+}
+
+/// Returns the face with the largest part in a cell.
+fn largest_in<'f>(cell: &Cell, faces: impl Iterator<Item = &'f Face>, slack: f64) -> Option<&'f Face> {
+    let sized = faces.map(|face| (area(&cell.clip(&face.corners, slack)), face));
+    sized.max_by(|x, y| x.0.total_cmp(&y.0)).map(|(_, face)| face)
 }
 
 /// Returns twice the area of a polygon in a plane.
 fn area(polygon: &[Vector]) -> f64 {
     let Some((first, rest)) = polygon.split_first() else { return 0.0 };
-    let sum = rest.windows(2).fold([0.0; 3], |sum, pair| add(&sum, &cross(&sub(&pair[0], first), &sub(&pair[1], first))));
+    let sum =
+        rest.windows(2).fold([0.0; 3], |sum, pair| add(&sum, &cross(&sub(&pair[0], first), &sub(&pair[1], first))));
     dot(&sum, &sum).sqrt()
 }
 

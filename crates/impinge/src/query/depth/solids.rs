@@ -12,8 +12,6 @@ use crate::primitive::CLOSED_FORM_ERROR;
 pub(super) struct Solids<'m> {
     placed: [PlacedMesh<'m>; 2],
     boxes: [[Vector; 2]; 2],
-    /// Whether the solids are in the order of the caller.
-    pub(super) is_in_order: bool,
 }
 
 /// Number of vertices up to which the box of a mesh is that of its vertices in the world, which is
@@ -26,12 +24,11 @@ impl<'m> Solids<'m> {
     /// the same answer.
     pub(super) fn new(a: PlacedMesh<'m>, b: PlacedMesh<'m>, is_symmetric: bool) -> Option<Self> {
         let (mut placed, mut boxes) = ([a, b], [bounds(&a)?, bounds(&b)?]);
-        let is_in_order = !is_symmetric || !comes_first((&b, &boxes[1]), (&a, &boxes[0]));
-        if !is_in_order {
+        if is_symmetric && comes_first((&b, &boxes[1]), (&a, &boxes[0])) {
             placed.swap(0, 1);
             boxes.swap(0, 1);
         }
-        Some(Self { placed, boxes, is_in_order })
+        Some(Self { placed, boxes })
     }
 
     /// Returns the part of space that the goal is about: the common part of both boxes, or the box
@@ -48,7 +45,9 @@ impl<'m> Solids<'m> {
 
     /// Returns the greatest distance from the surface that a point of a measured solid can have.
     fn inradius_bound(&self, goal: &Goal) -> f64 {
-        let half = |&[low, high]: &[Vector; 2]| (0..3).map(|axis| 0.5 * (high[axis] - low[axis])).fold(f64::INFINITY, f64::min);
+        let half = |&[low, high]: &[Vector; 2]| {
+            (0..3).map(|axis| 0.5 * (high[axis] - low[axis])).fold(f64::INFINITY, f64::min)
+        };
         if goal.outside_first { f64::INFINITY } else { half(&self.boxes[0]).max(half(&self.boxes[1])) }
     }
 
