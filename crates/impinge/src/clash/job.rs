@@ -154,14 +154,22 @@ impl<'s> Job<'s> {
     ///
     /// # Panics
     /// Panics if the range is not in `0..self.candidates()`.
-    pub fn classify(&self, range: Range<usize>, execution: Execution<'_>) -> Result<Vec<Option<Box<Finding>>>, Stopped> {
+    pub fn classify(
+        &self,
+        range: Range<usize>,
+        execution: Execution<'_>,
+    ) -> Result<Vec<Option<Box<Finding>>>, Stopped> {
         let rows = &self.candidates[range];
         let place = |member: u32| Placed::from(&self.placed[member as usize]);
-        execution.all_rows(rows.len(), || (), |(), row| {
-            let Candidate { pair: [a, b], .. } = rows[row];
-            let finding = classify(&place(a), &place(b), &self.asked(&rows[row]), execution.budget());
-            (finding.kind != Kind::Clear).then(|| Box::new(finding))
-        })
+        execution.all_rows(
+            rows.len(),
+            || (),
+            |(), row| {
+                let Candidate { pair: [a, b], .. } = rows[row];
+                let finding = classify(&place(a), &place(b), &self.asked(&rows[row]), execution.budget());
+                (finding.kind != Kind::Clear).then(|| Box::new(finding))
+            },
+        )
     }
 
     fn asked(&self, candidate: &Candidate) -> Asked {

@@ -121,7 +121,9 @@ pub(super) fn classify(a: &Placed<'_>, b: &Placed<'_>, asked: &Asked, budget: &B
         }
     }
     match query().penetrates(a, b) {
-        Penetrates::No => Finding { depth: Some(Depth { lower: 0.0, upper: 0.0, point: None }), ..found(Kind::Contact) },
+        Penetrates::No => {
+            Finding { depth: Some(Depth { lower: 0.0, upper: 0.0, point: None }), ..found(Kind::Contact) }
+        }
         Penetrates::Undecided => {
             let why = if budget.stopped().is_some() { Why::Budget } else { Why::NotSolid };
             Finding { proved: false, why: Some(why), point, ..found(Kind::Undecided) }

@@ -162,7 +162,8 @@ pub(super) fn sort(clashes: &mut [Clash]) {
     };
     clashes.sort_by(|a, b| {
         let by_kind = rank(a.kind).cmp(&rank(b.kind));
-        let by_parts = || (&a.a.scene, &a.a.key, &a.b.scene, &a.b.key).cmp(&(&b.a.scene, &b.a.key, &b.b.scene, &b.b.key));
+        let by_parts =
+            || (&a.a.scene, &a.a.key, &a.b.scene, &a.b.key).cmp(&(&b.a.scene, &b.a.key, &b.b.scene, &b.b.key));
         by_kind.then_with(|| worst(a).total_cmp(&worst(b))).then_with(by_parts)
     });
 }
@@ -204,7 +205,8 @@ mod tests {
 
     #[test]
     fn duplicates_are_joined_to_sets() {
-        let pairs = [([0, 3], Some(1)), ([0, 5], None), ([1, 2], Some(2)), ([3, 5], None), ([4, 6], None), ([5, 6], None)];
+        let pairs =
+            [([0, 3], Some(1)), ([0, 5], None), ([1, 2], Some(2)), ([3, 5], None), ([4, 6], None), ([5, 6], None)];
         assert_eq!(duplicate_sets(&pairs), [(vec![0, 3, 4, 5, 6], Some(1)), (vec![1, 2], Some(2))]);
         assert_eq!(duplicate_sets(&[]), []);
     }

@@ -125,7 +125,8 @@ fn diagonal(sides: &[Side<'_>]) -> f64 {
 
 /// Returns the unit in the last place of the largest f32 coordinate, in world units.
 pub(super) fn rounding(sides: &[Side<'_>]) -> f64 {
-    let of_side = |side: &Side<'_>| side.scene.parts().fold(0.0_f64, |most, part| most.max(rounding_of(side.scene, part)));
+    let of_side =
+        |side: &Side<'_>| side.scene.parts().fold(0.0_f64, |most, part| most.max(rounding_of(side.scene, part)));
     sides.iter().map(of_side).fold(0.0, f64::max)
 }
 

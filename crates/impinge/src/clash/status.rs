@@ -126,7 +126,8 @@ impl<'p> Statuses<'p> {
 impl Known {
     /// Returns the size at which the clash was accepted.
     fn accepted_size(&self) -> Option<f64> {
-        let own = if self.kind == Kind::Clearance.name() { self.gap.map(|gap| gap[0]) } else { self.depth.map(|d| d[1]) };
+        let own =
+            if self.kind == Kind::Clearance.name() { self.gap.map(|gap| gap[0]) } else { self.depth.map(|d| d[1]) };
         self.accepted.or(own)
     }
 }
@@ -215,8 +216,7 @@ mod tests {
     fn status(known: &Known, kind: Kind, depth: Option<f64>, gap: Option<f64>) -> Status {
         let previous = Previous { clashes: vec![known.clone()] };
         let pair = |x: f64| [x, x];
-        let current =
-            Current { id: "c-a", kind, depth: depth.map(pair), gap: gap.map(pair), tolerance: TOLERANCE };
+        let current = Current { id: "c-a", kind, depth: depth.map(pair), gap: gap.map(pair), tolerance: TOLERANCE };
         Statuses::new(Some(&previous), &[]).of(&current).status
     }
 

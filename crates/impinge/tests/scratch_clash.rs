@@ -1,0 +1,3 @@
+//! Scratch.
+#[path = "it/clash/mod.rs"]
+mod clash;
