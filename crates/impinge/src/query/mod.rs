@@ -11,6 +11,7 @@
 //! | are they at most `clearance` apart? | [`within()`], [`nearness()`] | `bool`, [`Proximity`] |
 //! | how far apart are they? | [`distance()`] | [`Distance`], a proved interval |
 //! | how deep are they in each other? | [`penetration()`] | [`Penetration`], a proved interval |
+//! | how much material do they share? | [`depth()`], [`deeper()`] | [`Depth`], a proved interval, [`Deeper`] |
 //! | do their interiors intersect? | [`penetrates()`] | [`Penetrates`] |
 //! | where do they touch, for a solver? | [`contacts()`] | [`Manifold`]s |
 //! | which faces of two meshes intersect? | [`intersecting_pairs()`], [`any_intersecting_pair()`] | pairs of face indices |
@@ -50,7 +51,7 @@
 //! `placed` has the arguments of a query; `ask`, `cache` and `contact_options` have its options,
 //! and `answer` the answer about a distance. `intersects`, `distance`, `penetration` and
 //! `shapes/contacts` have the queries on any two things. They call `of_meshes` for two meshes, and
-//! `shapes` otherwise. `pairs`, `common_points`, `curves`, `patches`, `nesting`, `penetrates` and
+//! `shapes` otherwise. `depth` measures common material. `pairs`, `common_points`, `curves`, `patches`, `nesting`, `penetrates` and
 //! `self_intersection` are about meshes. `batch` asks the queries at many poses.
 
 mod answer;
@@ -60,6 +61,7 @@ mod cache;
 mod common_points;
 mod contact_options;
 mod curves;
+mod depth;
 mod distance;
 mod intersects;
 mod last_hit;
@@ -82,6 +84,7 @@ pub use cache::Cache;
 pub use common_points::common_points;
 pub use contact_options::ContactOptions;
 pub use curves::{Curves, curves_of_pairs, intersection_curves};
+pub use depth::{Deeper, Depth, deeper, depth};
 pub use distance::{distance, nearness, within};
 pub use intersects::{intersects, proximity};
 pub use nesting::{Contained, SolidIntersection, contained_point, solid_intersection, solid_intersection_of_pairs};

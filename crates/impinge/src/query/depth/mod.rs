@@ -1,0 +1,210 @@
+//! How deep two solids share material, and whether deeper than a threshold.
+//!
+//! `cell` has the convex cells into which the common part is divided, `side` the faces of a solid
+//! near it, and `search` the search. `solids` prepares both solids.
+
+mod cell;
+mod search;
+mod side;
+mod solids;
+
+use search::{Found, Goal};
+use solids::Solids;
+
+use super::Query;
+use super::penetrates::Penetrates;
+use super::placed::{Placed, meshes};
+use crate::mesh::PlacedMesh;
+
+/// Depth of the material that two solids share, as a proved interval, with a point that shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Depth {
+    /// Lower bound of the depth, in world units: the depth of `point`.
+    pub lower: f64,
+    /// Upper bound of the depth, in world units.
+    pub upper: f64,
+    /// A point in both solids, in the world frame, that has at least the depth `lower`. `None` if
+    /// `lower` is zero.
+    pub point: Option<[f64; 3]>,
+    /// Whether the bounds are proved. They are not if a solid is open: its inside is then known
+    /// only where its winding number was computed.
+    pub is_proved: bool,
+}
+
+/// Computes how much material two solids share: the greatest depth of a common point, which is its
+/// distance from the surface of one of the two solids, whichever is farther.
+///
+/// The depth is zero if the solids only touch, and also if one fits exactly into an opening of the
+/// other. [`penetration`](super::penetration()) answers another question, how far to move a solid
+/// out: it is never less than the depth. A mesh is always taken as a solid here.
+///
+/// ```
+/// use impinge::{Pose, query};
+/// # use impinge::{Mesh, Positions, InputError};
+/// # fn cuboid(low: [f64; 3], high: [f64; 3]) -> Result<Mesh, InputError> {
+/// #     let corners = (0..8).map(|at| std::array::from_fn(|k| if at >> k & 1 == 0 { low[k] } else { high[k] }));
+/// #     let faces = [[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
+/// #         [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]];
+/// #     Mesh::new(Positions::F64(corners.collect()), faces.to_vec())
+/// # }
+///
+/// // Two walls in one line, 0.25 thick, that overlap by 0.125. A point in the middle is 0.0625
+/// // from the end of each wall, and a point at the end of one wall is 0.125 from that of the other.
+/// let (wall, next) = (cuboid([0.0; 3], [5.0, 0.25, 3.0])?, cuboid([4.875, 0.0, 0.0], [9.0, 0.25, 3.0])?);
+/// let depth = query::depth(&wall, &next);
+/// assert!(depth.lower <= 0.125 && 0.125 <= depth.upper && depth.upper < 0.126);
+/// // They touch.
+/// let touching = query::depth(&wall, next.at(Pose::from_translation([0.125, 0.0, 0.0])?));
+/// assert!(touching.lower == 0.0 && touching.upper < 1e-10);
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+///
+/// # Accuracy
+/// The true depth lies in `[lower, upper]`, and `point` shows the lower bound (docs/notes/proof.md,
+/// L41). The width is at most 1/1024 of the depth plus about 2^-39 of the size of the solids, unless
+/// the number of cells limits it. For shapes other than meshes the upper bound is that of
+/// [`penetration`](super::penetration()), and the lower bound is zero.
+///
+/// # Complexity
+/// Grows with the number of faces of both solids near their common part. At most 16,384 cells, each
+/// compared with the faces near it.
+#[must_use]
+pub fn depth<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Depth {
+    Query::new().depth(a, b)
+}
+
+/// Returns whether two solids share material deeper than a threshold: whether their [`depth`] is
+/// above `threshold`, in world units. It costs much less than the depth.
+///
+/// # Accuracy
+/// `Yes` and `No` are proved for closed meshes (docs/notes/proof.md, L41). For an open mesh they
+/// follow from winding numbers at the corners of cells, as [`Depth::is_proved`] says. `Undecided` is
+/// returned if the depth differs from the threshold by less than rounding, about 2^-39 of the size
+/// of the solids, or if 16,384 cells do not suffice. With a threshold of zero the question is that
+/// of [`penetrates`](super::penetrates()).
+///
+/// # Complexity
+/// Grows with the number of faces of both solids near their common part. Parts with common flat
+/// walls take a few cells for each face.
+///
+/// # Panics
+/// If `threshold` is negative or NaN.
+///
+/// ```
+/// use impinge::query::{self, Deeper};
+/// use impinge::{Mesh, Pose, Positions};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [0.0, 0.0, 8.0]];
+/// let part = Mesh::new(Positions::F32(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
+/// // Its tip reaches the floor of a copy, and half a unit through it.
+/// let above = part.at(Pose::from_translation([0.5, 0.5, -7.5])?);
+/// assert_eq!(query::deeper(&part, above, 0.125), Deeper::Yes);
+/// assert_eq!(query::deeper(&part, above, 0.5), Deeper::No);
+/// # Ok::<(), impinge::InputError>(())
+/// ```
+#[must_use]
+pub fn deeper<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, threshold: f64) -> Deeper {
+    Query::new().deeper(a, b, threshold)
+}
+
+/// Verdict whether two solids share material deeper than a threshold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Deeper {
+    /// No common point is deeper.
+    No,
+    /// Undecided: the depth is about the threshold, or too many cells would be needed.
+    Undecided,
+    /// A common point is deeper.
+    Yes,
+}
+
+impl Deeper {
+    /// Returns `true` unless the answer is `No`, so `true` if it is undecided.
+    #[must_use]
+    pub fn possibly(self) -> bool {
+        self != Self::No
+    }
+}
+
+/// Maximum number of cells of a search. It bounds the work for each pair to about a tenth of a
+/// second.
+const MAX_CELLS: usize = 1 << 14;
+
+impl Query<'_> {
+    /// Computes [`depth`]. If the budget ends the search, the interval is wider.
+    #[must_use]
+    pub fn depth<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Depth {
+        self.shared_material(a, b, None)
+    }
+
+    /// Returns [`deeper`]. If the budget ends the search, the answer is `Undecided` unless a point
+    /// that was found decides it.
+    ///
+    /// # Panics
+    /// If `threshold` is negative or NaN.
+    #[must_use]
+    pub fn deeper<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, threshold: f64) -> Deeper {
+        assert!(threshold >= 0.0, "the threshold must not be negative or NaN");
+        let (a, b) = (a.into(), b.into());
+        if threshold == 0.0 {
+            return match self.penetrates(&a, &b) {
+                Penetrates::Yes => Deeper::Yes,
+                Penetrates::Undecided => Deeper::Undecided,
+                Penetrates::No => Deeper::No,
+            };
+        }
+        let depth = self.shared_material(&a, &b, Some(threshold));
+        if depth.lower > threshold {
+            Deeper::Yes
+        } else if depth.upper <= threshold {
+            Deeper::No
+        } else {
+            Deeper::Undecided
+        }
+    }
+
+    /// Returns the depth, as far as a comparison with the threshold needs it.
+    pub(crate) fn shared_material<'a, 'b>(
+        self,
+        a: impl Into<Placed<'a>>,
+        b: impl Into<Placed<'b>>,
+        threshold: Option<f64>,
+    ) -> Depth {
+        let (a, b) = (a.into(), b.into());
+        let budget = self.options.budget;
+        let Some([a, b]) = meshes(&a, &b) else {
+            let way_out = self.penetration(&a, &b);
+            return Depth { lower: 0.0, upper: way_out.map_or(0.0, |found| found.upper), point: None, is_proved: true };
+        };
+        let goal = Goal { threshold, outside_first: false, measured: [true; 2], max_cells: MAX_CELLS };
+        Solids::new(a, b, true).map_or(Depth::NONE, |solids| solids.search(goal, budget).into())
+    }
+
+    /// Returns whether a solid lies inside another, up to a tolerance: whether no point of `inner`
+    /// is farther than the tolerance outside of `outer`. `None` if that is undecided.
+    pub(crate) fn contains_solid(self, outer: PlacedMesh<'_>, inner: PlacedMesh<'_>, tolerance: f64) -> Option<bool> {
+        let goal = Goal {
+            threshold: Some(tolerance),
+            outside_first: true,
+            measured: [true, false],
+            max_cells: MAX_CELLS,
+        };
+        let found = Solids::new(outer, inner, false)?.search(goal, self.options.budget);
+        if found.lower > tolerance {
+            Some(false)
+        } else {
+            (found.upper <= tolerance).then_some(true)
+        }
+    }
+}
+
+impl Depth {
+    /// The depth of two solids that have no common point.
+    const NONE: Self = Self { lower: 0.0, upper: 0.0, point: None, is_proved: true };
+}
+
+impl From<Found> for Depth {
+    fn from(found: Found) -> Self {
+        Self { lower: found.lower, upper: found.upper, point: found.point, is_proved: !found.is_open }
+    }
+}

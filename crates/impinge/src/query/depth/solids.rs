@@ -1,0 +1,126 @@
+//! Both solids of a depth query: their boxes in the world, and the frame and the precision of the
+//! search.
+
+use super::search::{Found, Goal, Search};
+use super::side::{Side, gap, world_box};
+use crate::budget::Budget;
+use crate::math::vec3::{Vector, add, scale, sub};
+use crate::mesh::{Mesh, PlacedMesh};
+use crate::primitive::CLOSED_FORM_ERROR;
+
+/// Two solids with their boxes in the world.
+pub(super) struct Solids<'m> {
+    placed: [PlacedMesh<'m>; 2],
+    boxes: [[Vector; 2]; 2],
+    /// Whether the solids are in the order of the caller.
+    pub(super) is_in_order: bool,
+}
+
+/// Number of vertices up to which the box of a mesh is that of its vertices in the world, which is
+/// smaller than the box of a turned box.
+const MAX_VERTICES: usize = 4096;
+
+impl<'m> Solids<'m> {
+    /// Returns both solids, or `None` if one of them has no faces. If the question is the same for
+    /// both orders, the solids get an order that depends on them alone, so that both orders have
+    /// the same answer.
+    pub(super) fn new(a: PlacedMesh<'m>, b: PlacedMesh<'m>, is_symmetric: bool) -> Option<Self> {
+        let (mut placed, mut boxes) = ([a, b], [bounds(&a)?, bounds(&b)?]);
+        let is_in_order = !is_symmetric || !comes_first((&b, &boxes[1]), (&a, &boxes[0]));
+        if !is_in_order {
+            placed.swap(0, 1);
+            boxes.swap(0, 1);
+        }
+        Some(Self { placed, boxes, is_in_order })
+    }
+
+    /// Returns the part of space that the goal is about: the common part of both boxes, or the box
+    /// of the second solid. `None` if it is empty.
+    fn region(&self, goal: &Goal) -> Option<[Vector; 2]> {
+        let [[a_low, a_high], [b_low, b_high]] = self.boxes;
+        if goal.outside_first {
+            return Some(self.boxes[1]);
+        }
+        let low: Vector = std::array::from_fn(|axis| a_low[axis].max(b_low[axis]));
+        let high: Vector = std::array::from_fn(|axis| a_high[axis].min(b_high[axis]));
+        (gap(&self.boxes[0], &self.boxes[1]) <= 0.0).then_some([low, high])
+    }
+
+    /// Returns the greatest distance from the surface that a point of a measured solid can have.
+    fn inradius_bound(&self, goal: &Goal) -> f64 {
+        let half = |&[low, high]: &[Vector; 2]| (0..3).map(|axis| 0.5 * (high[axis] - low[axis])).fold(f64::INFINITY, f64::min);
+        if goal.outside_first { f64::INFINITY } else { half(&self.boxes[0]).max(half(&self.boxes[1])) }
+    }
+
+    /// Searches the goal. The point of the answer is in the world frame.
+    pub(super) fn search(&self, goal: Goal, budget: &Budget<'_>) -> Found {
+        const NOTHING: Found = Found { lower: 0.0, upper: 0.0, point: None, is_open: false };
+        let Some(region) = self.region(&goal) else { return NOTHING };
+        let origin: Vector = std::array::from_fn(|axis| 0.5 * region[0][axis] + 0.5 * region[1][axis]);
+        let slack = self.slack(&origin);
+        // A face beyond the margin is farther than any depth that decides.
+        let margin = goal.threshold.map_or(f64::INFINITY, |t| 2.0 * t).min(self.inradius_bound(&goal)) + 64.0 * slack;
+        let local = region.map(|corner| sub(&corner, &origin));
+        let sides = self.placed.map(|placed| Side::new(placed, origin, &local, margin));
+        let found = Search::new(&sides, goal, slack, margin).run(&local, budget);
+        Found { point: found.point.map(|point| add(&point, &origin)), ..found }
+    }
+
+    /// Returns a bound of the rounding errors in the search: of the coordinates, which are rounded
+    /// in the world and then taken relative to the origin, and of the closed forms of distances.
+    fn slack(&self, origin: &Vector) -> f64 {
+        let largest = |points: &[Vector]| points.iter().flatten().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+        let local: Vec<Vector> = self.boxes.iter().flatten().map(|corner| sub(corner, origin)).collect();
+        let world = self.placed.map(|placed| magnitude(&placed)).into_iter().fold(0.0, f64::max);
+        16.0 * CLOSED_FORM_ERROR * largest(&local) + 8.0 * f64::EPSILON * world
+    }
+}
+
+/// Returns the box about the faces of a mesh in the world, rounded, or `None` without faces.
+fn bounds(placed: &PlacedMesh<'_>) -> Option<[Vector; 2]> {
+    let [low, high] = placed.mesh.local_bounds()?;
+    if placed.mesh.faces().len() > MAX_VERTICES {
+        let center: Vector = std::array::from_fn(|axis| 0.5 * low[axis] + 0.5 * high[axis]);
+        let half = scale(&sub(&high, &low), 0.5 * (1.0 + 4.0 * f64::EPSILON));
+        return Some(world_box(&placed.world_from_mesh, &[0.0; 3], &center, &half));
+    }
+    let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    for &vertex in placed.mesh.faces().as_flattened() {
+        let at = placed.world_from_mesh.apply(position(placed.mesh, vertex));
+        for axis in 0..3 {
+            bounds[0][axis] = bounds[0][axis].min(at[axis]);
+            bounds[1][axis] = bounds[1][axis].max(at[axis]);
+        }
+    }
+    Some(bounds)
+}
+
+fn position(mesh: &Mesh, vertex: u32) -> Vector {
+    mesh.positions().get(vertex as usize)
+}
+
+/// Returns a bound of the numbers that are added up to place a mesh in the world.
+fn magnitude(placed: &PlacedMesh<'_>) -> f64 {
+    let Some([low, high]) = placed.mesh.local_bounds() else { return 0.0 };
+    let (linear, translation) = (placed.world_from_mesh.linear(), placed.world_from_mesh.translation());
+    let row = |axis: usize| {
+        let terms = (0..3).map(|k| linear[axis][k].abs() * low[k].abs().max(high[k].abs()));
+        translation[axis].abs() + terms.sum::<f64>()
+    };
+    (0..3).map(row).fold(0.0, f64::max)
+}
+
+/// Reports whether a solid comes before another in an order that depends on their places and
+/// faces, and not on the order of a caller.
+fn comes_first(a: (&PlacedMesh<'_>, &[Vector; 2]), b: (&PlacedMesh<'_>, &[Vector; 2])) -> bool {
+    let key = |(placed, bounds): (&PlacedMesh<'_>, &[Vector; 2])| (*bounds, placed.mesh.faces().len());
+    let (first, second) = (key(a), key(b));
+    if first != second {
+        return first < second;
+    }
+    let corners = |placed: &PlacedMesh<'_>| {
+        let (mesh, pose) = (placed.mesh.clone(), placed.world_from_mesh);
+        (0..mesh.faces().len() as u32).map(move |face| mesh.corners(face).map(|corner| pose.apply(corner)))
+    };
+    corners(a.0).lt(corners(b.0))
+}
