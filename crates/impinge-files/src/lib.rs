@@ -51,6 +51,7 @@
 
 mod baked;
 mod character_file;
+mod clash;
 mod collada;
 mod encoding;
 mod error;
@@ -91,10 +92,15 @@ pub use baked::{Baked, Provenance, write_baked};
 pub use character_file::{
     character_text, load_character, load_character_with, load_plan, load_plan_with, parse_character, parse_plan,
 };
+pub use clash::{
+    Asked, InvalidLength, Length, ReportAbout, RulesFile, RulesFormat, SceneAbout, length_text, load_previous,
+    load_rules, parse_previous, parse_rules, write_clash_csv, write_clash_json,
+};
 pub use error::{LoadError, LoadErrorKind, Place};
 pub use format::Format;
 pub use limits::Limits;
 pub use model::{Model, Warning, WarningKind};
+pub use plain::escaped;
 pub use ply::write_ply;
 pub use regular_file::read_regular_file;
 pub use replace::replace_file;

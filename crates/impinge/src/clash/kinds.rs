@@ -5,7 +5,7 @@
 use std::fmt;
 
 use crate::budget::Budget;
-use crate::query::{Depth, Distance, Penetrates, Placed, Proximity, Query};
+use crate::query::{Depth, Distance, Placed, Proximity, Query};
 
 /// Relation of two solids. Exactly one kind holds for each pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -120,18 +120,14 @@ pub(super) fn classify(a: &Placed<'_>, b: &Placed<'_>, asked: &Asked, budget: &B
             return found(Kind::Contained(if is_in_b { Inner::A } else { Inner::B }));
         }
     }
-    match query().penetrates(a, b) {
-        Penetrates::No => {
-            Finding { depth: Some(Depth { lower: 0.0, upper: 0.0, point: None }), ..found(Kind::Contact) }
-        }
-        Penetrates::Undecided => {
+    let depth = query().depth(a, b);
+    let found = Finding { point: depth.point.or(point), depth: Some(depth), ..found(Kind::Contact) };
+    match (depth.lower > asked.tolerance, depth.upper <= asked.tolerance) {
+        (true, _) => Finding { kind: Kind::Clash, ..found },
+        (_, true) => found,
+        _ => {
             let why = if budget.stopped().is_some() { Why::Budget } else { Why::NotSolid };
-            Finding { proved: false, why: Some(why), point, ..found(Kind::Undecided) }
-        }
-        Penetrates::Yes => {
-            let depth = query().penetration(a, b).map(|p| Depth { lower: p.lower, upper: p.upper, point });
-            let is_deep = depth.is_none_or(|depth| depth.lower > asked.tolerance);
-            Finding { depth, point, ..found(if is_deep { Kind::Clash } else { Kind::Contact }) }
+            Finding { kind: Kind::Undecided, proved: false, why: Some(why), ..found }
         }
     }
 }

@@ -183,18 +183,10 @@ impl Query<'_> {
     /// Returns whether a solid lies inside another, up to a tolerance: whether no point of `inner`
     /// is farther than the tolerance outside of `outer`. `None` if that is undecided.
     pub(crate) fn contains_solid(self, outer: PlacedMesh<'_>, inner: PlacedMesh<'_>, tolerance: f64) -> Option<bool> {
-        let goal = Goal {
-            threshold: Some(tolerance),
-            outside_first: true,
-            measured: [true, false],
-            max_cells: MAX_CELLS,
-        };
+        let goal =
+            Goal { threshold: Some(tolerance), outside_first: true, measured: [true, false], max_cells: MAX_CELLS };
         let found = Solids::new(outer, inner, false)?.search(goal, self.options.budget);
-        if found.lower > tolerance {
-            Some(false)
-        } else {
-            (found.upper <= tolerance).then_some(true)
-        }
+        if found.lower > tolerance { Some(false) } else { (found.upper <= tolerance).then_some(true) }
     }
 }
 

@@ -103,12 +103,8 @@ impl<'s, 'm> Search<'s, 'm> {
         // The box is grown, so that a box without thickness has some.
         let grown = [bounds[0].map(|x| x - 4.0 * self.slack), bounds[1].map(|x| x + 4.0 * self.slack)];
         let all = [0, 1].map(|side| (0..self.sides[side].faces.len() as u32).collect::<Vec<_>>());
-        let local = all.map(|faces| Local {
-            near: faces.clone(),
-            touching: faces,
-            is_inside: false,
-            reach: f64::INFINITY,
-        });
+        let local =
+            all.map(|faces| Local { near: faces.clone(), touching: faces, is_inside: false, reach: f64::INFINITY });
         self.push(Cell::cuboid(&grown), &local, f64::INFINITY);
         while let Some(piece) = self.heap.pop() {
             if piece.upper <= self.target() || self.is_decided() {
@@ -336,9 +332,8 @@ impl<'s, 'm> Search<'s, 'm> {
         let half = self.half_thickness() + self.slack;
         let faces = (0..2).flat_map(|side| local[side].touching.iter().map(move |&face| (side, face)));
         let faces = faces.map(|(side, face)| &self.sides[side].faces[face as usize]);
-        let is_wide = |face: &&Face| {
-            cell.corners().any(|corner| face.height(corner).is_some_and(|height| height.abs() > half))
-        };
+        let is_wide =
+            |face: &&Face| cell.corners().any(|corner| face.height(corner).is_some_and(|height| height.abs() > half));
         let sized = faces.filter(is_wide).map(|face| (area(&cell.clip(&face.corners, self.slack)), face));
         sized.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, face)| face)
     }
@@ -347,18 +342,15 @@ impl<'s, 'm> Search<'s, 'm> {
     fn around(&self, face: &Face) -> Vec<Plane> {
         let Some(normal) = face.normal else { return Vec::new() };
         let (level, half) = (dot(&normal, &face.corners[0]), self.half_thickness());
-        vec![
-            Plane { normal, height: level + half },
-            Plane { normal: scale(&normal, -1.0), height: half - level },
-        ]
+        vec![Plane { normal, height: level + half }, Plane { normal: scale(&normal, -1.0), height: half - level }]
     }
 
     /// Returns the plane that divides a cell best where only distances matter: beside the face that
     /// is nearest to its center, or else between the center and that face.
     fn beside_face(&self, cell: &Cell, local: &[Local; 2]) -> Option<Plane> {
-        let side = (0..2).filter(|&side| self.goal.measured[side]).max_by(|&x, &y| {
-            local[x].reach.total_cmp(&local[y].reach)
-        })?;
+        let side = (0..2)
+            .filter(|&side| self.goal.measured[side])
+            .max_by(|&x, &y| local[x].reach.total_cmp(&local[y].reach))?;
         let center = cell.center();
         let (squared, foot, face) = self.sides[side].nearest(&center, &local[side].near)?;
         let face = &self.sides[side].faces[face as usize];
@@ -403,7 +395,8 @@ fn middle(cell: &Cell) -> Plane {
 /// Returns twice the area of a polygon in a plane.
 fn area(polygon: &[Vector]) -> f64 {
     let Some((first, rest)) = polygon.split_first() else { return 0.0 };
-    let sum = rest.windows(2).fold([0.0; 3], |sum, pair| add(&sum, &cross(&sub(&pair[0], first), &sub(&pair[1], first))));
+    let sum =
+        rest.windows(2).fold([0.0; 3], |sum, pair| add(&sum, &cross(&sub(&pair[0], first), &sub(&pair[1], first))));
     dot(&sum, &sum).sqrt()
 }
 

@@ -48,7 +48,9 @@ impl<'m> Solids<'m> {
 
     /// Returns the greatest distance from the surface that a point of a measured solid can have.
     fn inradius_bound(&self, goal: &Goal) -> f64 {
-        let half = |&[low, high]: &[Vector; 2]| (0..3).map(|axis| 0.5 * (high[axis] - low[axis])).fold(f64::INFINITY, f64::min);
+        let half = |&[low, high]: &[Vector; 2]| {
+            (0..3).map(|axis| 0.5 * (high[axis] - low[axis])).fold(f64::INFINITY, f64::min)
+        };
         if goal.outside_first { f64::INFINITY } else { half(&self.boxes[0]).max(half(&self.boxes[1])) }
     }
 
