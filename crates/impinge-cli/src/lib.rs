@@ -44,7 +44,7 @@ Examples:
   impinge check a.stl b.stl --clearance 2.5  Is the gap at most 2.5?
   impinge check a.stl b.stl --penetrates     Do interiors intersect?
   impinge check a.stl b.stl --pairs out.csv  Save the pairs of faces
-  impinge clash house.glb                    Which parts clash?
+  impinge clash a.stl b.stl                  Which parts clash?
   impinge inspect a.stl --picture boxes.png  Is the mesh sound?
   impinge bake a.stl -o a.impinge            Save it to load at once
   impinge fit a.stl                          Which volume fits it best?

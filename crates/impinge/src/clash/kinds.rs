@@ -5,7 +5,7 @@
 use std::fmt;
 
 use crate::budget::Budget;
-use crate::query::{Depth, Distance, Placed, Proximity, Query};
+use crate::query::{Deeper, Depth, Distance, Placed, Proximity, Query};
 
 /// Relation of two solids. Exactly one kind holds for each pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -120,7 +120,17 @@ pub(super) fn classify(a: &Placed<'_>, b: &Placed<'_>, asked: &Asked, budget: &B
             return found(Kind::Contained(if is_in_b { Inner::A } else { Inner::B }));
         }
     }
-    let depth = query().depth(a, b);
+    let size = [a, b].map(|placed| placed.mesh().map_or(0, |mesh| mesh.mesh.faces().len()));
+    let depth = if size[0] + size[1] < 100 {
+        query().depth(a, b)
+    } else {
+        let (lower, upper) = match query().deeper(a, b, asked.tolerance) {
+            Deeper::Yes => (asked.tolerance.next_up(), f64::INFINITY),
+            Deeper::No => (0.0, asked.tolerance),
+            Deeper::Undecided => (0.0, f64::INFINITY),
+        };
+        Depth { lower, upper, point: None, is_proved: true }
+    };
     let found = Finding { point: depth.point.or(point), depth: Some(depth), ..found(Kind::Contact) };
     match (depth.lower > asked.tolerance, depth.upper <= asked.tolerance) {
         (true, _) => Finding { kind: Kind::Clash, ..found },
