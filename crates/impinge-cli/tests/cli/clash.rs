@@ -53,7 +53,7 @@ fn the_report_names_kinds_depths_and_groups() {
         "house  house.obj  4 parts",
         "common material deeper than 0.1 mm (the default); gaps of at most 20 mm",
         "1 clash, 1 narrow gap",
-        "\n  part 'pipe' enters part 'wall' by 125 mm\n",
+        "\n  part 'wall' meets 2 parts; the worst: part 'pipe' enters part 'wall' by 125 mm\n",
         "100 mm to 1 m",
     ] {
         assert!(run.stdout.contains(part), "{part:?} is not in {}", run.stdout);

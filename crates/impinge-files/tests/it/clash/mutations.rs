@@ -10,6 +10,9 @@ use super::{reports, rules};
 fn mutated(rng: &mut Rng, original: &[u8]) -> Vec<u8> {
     let mut bytes = original.to_vec();
     for _ in 0..rng.integer(1, 4) {
+        if bytes.is_empty() {
+            break;
+        }
         let at = rng.integer(0, bytes.len() as i64 - 1) as usize;
         let end = bytes.len().min(at + rng.integer(1, 12) as usize);
         match rng.integer(0, 4) {

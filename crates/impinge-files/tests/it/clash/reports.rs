@@ -3,8 +3,9 @@
 use impinge::clash::{Options, Previous, Report, Side, Status, find};
 use impinge::query::batch::Execution;
 use impinge::scene::{Details, Scene};
-use impinge::{Pose, Shape};
+use impinge::{Mesh, Pose};
 use impinge_files::{Asked, ReportAbout, SceneAbout, Unit, parse_previous, write_clash_csv, write_clash_json};
+use impinge_testkit::generate::solids::cuboid;
 
 fn scene() -> Scene {
     let mut scene = Scene::new();
@@ -16,7 +17,9 @@ fn scene() -> Scene {
         ("shelf", [1.0, 0.125, 0.25], [0.5, 0.28, 0.5]),
     ];
     for (name, half, at) in boxes {
-        let part = scene.add(name, &Shape::cuboid(half).unwrap(), Pose::from_translation(at).unwrap()).unwrap();
+        let plain = cuboid(half.map(|x| -x), half);
+        let mesh = Mesh::new(plain.vertices, plain.faces).unwrap();
+        let part = scene.add(name, &mesh, Pose::from_translation(at).unwrap()).unwrap();
         let details = Details { key: format!("key {name}"), kind: "IfcThing".to_owned(), ..Details::default() };
         scene.set_details(part, details);
     }

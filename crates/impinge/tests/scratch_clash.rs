@@ -1,3 +1,0 @@
-//! Scratch.
-#[path = "it/clash/mod.rs"]
-mod clash;
