@@ -21,8 +21,8 @@ impl Write for Plain<'_, '_> {
     }
 }
 
-/// Returns text from a file with control characters as escapes, such as `\u{1b}`, so that it is safe
-/// to print.
+/// Returns text from a file with control characters as escapes, such as `\u{1b}`, so that it is
+/// safe to print.
 ///
 /// ```
 /// assert_eq!(impinge_files::escaped("wall\u{1b}[2J"), "wall\\u{1b}[2J");

@@ -29,14 +29,14 @@ const MAX_THREADS: i64 = 1024;
 /// deeper than the tolerance), a contact, within the clearance, or clear. Lengths may have a unit:
 /// um, mm, cm, in, ft or m, as in 25mm or 1/2in. Without a unit they are in the unit of the scenes.
 ///
-/// Exit code: 0 if all parts are clear or each clash is approved, 1 if there are clashes, 2 if there
-/// is no answer.
+/// Exit code: 0 if all parts are clear or each clash is approved, 1 if there are clashes, 2 if
+/// there is no answer.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Scenes: glTF, GLB or any format of meshes with parts, each optionally with a label before it
     ///
-    /// The label names the scene in the report and belongs to the identity of each clash. By default
-    /// it is the name of the file without its extension.
+    /// The label names the scene in the report and belongs to the identity of each clash. By
+    /// default it is the name of the file without its extension.
     #[arg(required = true, value_name = "[LABEL=]SCENE")]
     scenes: Vec<String>,
     /// Compare only parts of different scenes
@@ -44,8 +44,8 @@ pub(crate) struct Arguments {
     between: bool,
     /// Depth up to which parts may overlap
     ///
-    /// By default it is 0.1 mm, or a millionth of the size of the scenes if they state no unit. It is
-    /// at least 16 units in the last place of the largest f32 coordinate.
+    /// By default it is 0.1 mm, or a millionth of the size of the scenes if they state no unit. It
+    /// is at least 16 units in the last place of the largest f32 coordinate.
     #[arg(long, value_name = "D", allow_hyphen_values = true)]
     tolerance: Option<Length>,
     /// Report also pairs of parts whose gap is at most D
@@ -54,7 +54,7 @@ pub(crate) struct Arguments {
     /// List pairs of parts that touch, too
     #[arg(long)]
     contacts: bool,
-    /// Sets, rules, ignores and accepted clashes in a .toml file; or a .csv matrix of groups; or the
+    /// Sets, rules, ignores and accepted clashes in a .toml file, a .csv matrix of groups, or the
     /// .json clash sets of IfcClash
     #[arg(long, value_name = "RULES")]
     rules: Option<PathBuf>,
@@ -75,10 +75,11 @@ pub(crate) struct Arguments {
     /// Unit of the report: um, mm, cm, in, ft or m; files that state no unit are taken to be in it
     #[arg(long, value_name = "U")]
     unit: Option<Unit>,
-    /// Chordal error of tessellated surfaces: twice D is added to each tolerance, once for each part
+    /// Chordal error of tessellated surfaces, which is added to each tolerance twice, once for each
+    /// part
     #[arg(long, value_name = "D", allow_hyphen_values = true)]
     sag: Option<Length>,
-    /// JSON file with keys, types and names of the nodes, for all scenes or for the one with a label
+    /// JSON file with keys, types and names of nodes, for all scenes or for the one with the label
     #[arg(long, value_name = "[LABEL=]N.json")]
     names: Vec<String>,
     /// Print one JSON object instead of the report, or write it to a file

@@ -120,7 +120,7 @@ fn names(arguments: &Arguments, files: &[(String, PathBuf)]) -> Result<Vec<Optio
             *names = Some(PathBuf::from(path));
         }
     }
-    for path in names.iter().flatten().filter(|path| !path.exists()) {
+    if let Some(path) = names.iter().flatten().find(|path| !path.exists()) {
         let hint = "write LABEL=N.json with the label of a scene, or N.json for all scenes";
         return Err(Failure::new("io", "the file of names does not exist").in_file(path).at("--names").hint(hint));
     }

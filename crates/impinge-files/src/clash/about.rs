@@ -23,7 +23,7 @@ pub struct ReportAbout<'r> {
     pub rules: Option<&'r Rules>,
 }
 
-/// What a report states about a scene.
+/// Description of a scene in a report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SceneAbout {
     /// Label of the scene.

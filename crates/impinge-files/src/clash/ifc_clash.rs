@@ -6,8 +6,8 @@
 //! selects by name, and `+` separates alternatives. A class also selects its `StandardCase` and
 //! `ElementedCase`. Other filters need the IFC file and are errors.
 //!
-//! Source of the form: IfcOpenShell, `src/ifcclash/ifcclash/ifcclash.py`, version 0.8. Only the form
-//! of the data is read; the meaning of a mode is that of this project.
+//! Source of the form: IfcOpenShell, `src/ifcclash/ifcclash/ifcclash.py`, version 0.8. Only the
+//! form of the data is read; the meaning of a mode is that of this project.
 
 use std::path::Path;
 
@@ -69,7 +69,7 @@ pub(super) fn read(text: &str, unit: Option<Unit>) -> Result<RulesFile, LoadErro
         let meters = |value: Option<f64>| {
             let Some(value) = value else { return Ok(None) };
             let is_length = value >= 0.0 && value.is_finite();
-            // IfcClash measures in meters. Without a unit, the unit of the scene is taken as meters.
+            // IfcClash measures in meters. A scene without a unit is taken to be in meters.
             let length = Length { value, unit: unit.map(|_| Unit::Meter) };
             let length = length.in_unit(unit).filter(|_| is_length);
             length.map(Some).ok_or_else(|| LoadError::syntax(FORM, value.to_string().as_bytes()).at(place()))

@@ -22,7 +22,7 @@ pub use report_csv::write_clash_csv;
 pub use report_json::{length_text, write_clash_json};
 pub use rules::{RulesFile, RulesFormat, load_rules, parse_rules};
 
-/// What a length must be if the unit of the scene is not known.
+/// Form of a length if the unit of the scene is not known.
 const NO_UNIT: &str = "a length without a unit, because the scenes state none";
 
 /// Advice for a length with a unit if the unit of the scene is not known.

@@ -40,8 +40,8 @@ const COLUMNS: [&str; 29] = [
     "b_part",
 ];
 
-/// Writes a report as CSV with a head. Each clash is a row, and each duplicate of a set is a row with
-/// the first part of the set. Lengths have all digits.
+/// Writes a report as CSV with a head. Each clash is a row, and each duplicate of a set is a row
+/// with the first part of the set. Lengths have all digits.
 ///
 /// # Errors
 /// Returns the errors of the output.

@@ -205,7 +205,7 @@ struct DuplicateRow<'r> {
     parts: Vec<Part<'r>>,
 }
 
-/// What people and rules say about a clash.
+/// Statements of people and rules about a clash.
 #[derive(Serialize)]
 struct Labels<'r> {
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -36,8 +36,8 @@ pub enum RulesFormat {
     IfcClash,
 }
 
-/// Maximum number of sets and of rules, each. Each pair of parts is compared with each rule, so more
-/// rules make a search slow.
+/// Maximum number of sets and of rules, each. Each pair of parts is compared with each rule, so
+/// more rules make a search slow, and fewer exclude large matrices.
 const MAX_RULES: usize = 4096;
 
 impl RulesFile {

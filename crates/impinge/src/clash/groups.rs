@@ -24,13 +24,13 @@ pub enum Grouping {
 /// Clashes that belong together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// What the clashes have in common.
+    /// Property that all clashes share.
     pub by: Shared,
     /// Indices of the clashes in the report, sorted, so that the first is the worst. Not empty.
     pub clashes: Vec<usize>,
 }
 
-/// What the clashes of a group have in common.
+/// Property that all clashes of a group share.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Shared {
     /// One part.

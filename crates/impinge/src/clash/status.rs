@@ -63,7 +63,7 @@ pub struct Gone {
     pub removed: Vec<String>,
 }
 
-/// What decides the status of a clash.
+/// Values of a clash that decide its status.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Current<'c> {
     pub(super) id: &'c str,

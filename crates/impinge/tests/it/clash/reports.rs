@@ -41,11 +41,11 @@ fn the_house_has_known_clashes() {
 #[test]
 fn contacts_are_listed_if_they_are_asked_for() {
     let blocks = [block("", "a", [0.0; 3], [1.0; 3]), block("", "b", [1.0, 0.0, 0.0], [2.0, 1.0, 1.0])];
-    let contacts = Options { contacts: true, ..Options::new(0.0) };
+    let contacts = Options { contacts: true, ..Options::new(1e-6) };
     let found = report(&blocks, contacts);
     assert_eq!(rows(&found), ["contact a b"]);
     assert!(found.is_clear());
-    assert_eq!(rows(&report(&blocks, Options::new(0.0))), [""; 0]);
+    assert_eq!(rows(&report(&blocks, Options::new(1e-6))), [""; 0]);
 }
 
 #[test]
@@ -222,7 +222,7 @@ fn a_spent_budget_leaves_pairs_undecided_and_says_so() {
 #[test]
 fn the_default_tolerance_follows_unit_size_and_rounding() {
     let mut scene = Scene::new();
-    scene.add("unit", &Shape::cuboid([0.5; 3]).unwrap(), Pose::IDENTITY).unwrap();
+    scene.add("unit", Shape::cuboid([0.5; 3]).unwrap(), Pose::IDENTITY).unwrap();
     assert_eq!(default_tolerance(&[side("a", &scene)], Some(1.0)), 1e-4);
     assert_eq!(default_tolerance(&[side("a", &scene)], Some(1e-3)), 0.1);
     let unknown = default_tolerance(&[side("a", &scene)], None);
@@ -238,7 +238,7 @@ fn the_default_tolerance_follows_unit_size_and_rounding() {
 #[test]
 fn unbounded_parts_are_near_all_others() {
     let mut scene = scene_of(&house());
-    scene.add("ground", &Shape::half_space([0.0, 0.0, 1.0], 0.5).unwrap(), Pose::IDENTITY).unwrap();
+    scene.add("ground", Shape::half_space([0.0, 0.0, 1.0], 0.5).unwrap(), Pose::IDENTITY).unwrap();
     let found = find(&[side("house", &scene)], options(), Execution::default()).unwrap();
     assert!(found.clashes.iter().any(|clash| [&clash.a, &clash.b].iter().any(|part| part.name == "ground")));
 }
