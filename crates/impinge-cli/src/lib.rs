@@ -9,6 +9,7 @@ mod bake;
 mod body;
 mod bounds;
 mod check;
+mod clash;
 mod completions;
 mod console;
 mod failure;
@@ -43,13 +44,14 @@ Examples:
   impinge check a.stl b.stl --clearance 2.5  Is the gap at most 2.5?
   impinge check a.stl b.stl --penetrates     Do interiors intersect?
   impinge check a.stl b.stl --pairs out.csv  Save the pairs of faces
+  impinge clash a.stl b.stl                  Which parts clash?
   impinge inspect a.stl --picture boxes.png  Is the mesh sound?
   impinge bake a.stl -o a.impinge            Save it to load at once
   impinge fit a.stl                          Which volume fits it best?
   impinge hits robot.glb --save parts.toml   Fit its hit volumes
 
-Exit codes of `check`: 0 clear, 1 collision, 2 no answer. --json prints
-one JSON object instead of the report.";
+Exit codes of `check` and `clash`: 0 clear, 1 collision, 2 no answer.
+--json prints one JSON object instead of the report.";
 
 /// Exact and fast collision detection for triangle meshes.
 #[derive(Parser)]
@@ -65,6 +67,7 @@ struct Cli {
 enum Command {
     Bake(bake::Arguments),
     Check(check::Arguments),
+    Clash(clash::Arguments),
     Completions(completions::Arguments),
     Fit(fit::Arguments),
     Hits(hits::Arguments),
@@ -78,6 +81,7 @@ impl Command {
         match self {
             Self::Bake(arguments) => bake::run(arguments),
             Self::Check(arguments) => check::run(arguments),
+            Self::Clash(arguments) => clash::run(arguments),
             Self::Completions(arguments) => completions::run(arguments, Cli::command()),
             Self::Fit(arguments) => fit::run(arguments),
             Self::Hits(arguments) => hits::run(arguments),

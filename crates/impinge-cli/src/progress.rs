@@ -53,7 +53,12 @@ impl Bar {
 
     /// Counts one more step as done.
     pub(crate) fn advance(&self) {
-        self.0.inc(1);
+        self.advance_by(1);
+    }
+
+    /// Counts more steps as done. Several threads may call it at the same time.
+    pub(crate) fn advance_by(&self, steps: u64) {
+        self.0.inc(steps);
     }
 }
 

@@ -21,6 +21,23 @@ impl Write for Plain<'_, '_> {
     }
 }
 
+/// Returns text from a file with control characters as escapes, such as `\u{1b}`, so that it is
+/// safe to print.
+///
+/// ```
+/// assert_eq!(impinge_files::escaped("wall\u{1b}[2J"), "wall\\u{1b}[2J");
+/// ```
+#[must_use]
+pub fn escaped(text: &str) -> String {
+    struct Escaped<'t>(&'t str);
+    impl fmt::Display for Escaped<'_> {
+        fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            Plain(f).write_str(self.0)
+        }
+    }
+    Escaped(text).to_string()
+}
+
 /// Reports whether a character controls a terminal or the direction of text.
 pub(crate) fn is_control_character(character: char) -> bool {
     character.is_control()

@@ -105,6 +105,7 @@
 
 pub mod budget;
 pub mod character;
+pub mod clash;
 pub mod convex;
 pub mod exact;
 pub mod hierarchy;

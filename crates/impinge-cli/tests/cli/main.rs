@@ -2,6 +2,7 @@
 
 mod answers;
 mod bake;
+mod clash;
 mod distances;
 mod errors;
 mod files;

@@ -4,6 +4,7 @@
 mod baked;
 mod changing;
 mod characters;
+mod clash;
 mod cloth;
 mod dialects;
 mod hostile_paths;

@@ -1,6 +1,7 @@
 //! Integration tests of the engine. They are one program, because each program is compiled and
 //! linked separately.
 
+mod clash;
 mod distance;
 mod engine;
 mod exact_crossing;

@@ -1,0 +1,324 @@
+//! `impinge clash`: finds the parts of scenes that run into each other.
+
+mod report;
+mod scenes;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use impinge::clash::{Accept, ClashError, Grouping, Job, Options, Previous, Report, Rules, Side, default_tolerance};
+use impinge::query::batch::Execution;
+use impinge_files::{
+    Asked, Length, Limits, ReportAbout, RulesFile, RulesFormat, SceneAbout, Unit, load_previous, load_rules,
+    write_clash_csv, write_clash_json,
+};
+
+use crate::check::timed;
+use crate::failure::Failure;
+use crate::progress::Bar;
+use crate::{Verdict, console, output};
+use scenes::Loaded;
+
+/// Maximum value of `--threads`: more than any machine has processors. The answer does not depend
+/// on the number of threads.
+const MAX_THREADS: i64 = 1024;
+
+/// Find the parts of scenes that clash, and how deep
+///
+/// Parts are solids. Each pair of parts is a duplicate, contained, a clash (it shares material
+/// deeper than the tolerance), a contact, within the clearance, or clear. Lengths may have a unit:
+/// um, mm, cm, in, ft or m, as in 25mm or 1/2in. Without a unit they are in the unit of the scenes.
+///
+/// Exit code: 0 if all parts are clear or each clash is approved, 1 if there are clashes, 2 if
+/// there is no answer.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Scenes: glTF, GLB or any format of meshes with parts, each optionally with a label before it
+    ///
+    /// The label names the scene in the report and belongs to the identity of each clash. By
+    /// default it is the name of the file without its extension.
+    #[arg(required = true, value_name = "[LABEL=]SCENE")]
+    scenes: Vec<String>,
+    /// Compare only parts of different scenes
+    #[arg(long)]
+    between: bool,
+    /// Depth up to which parts may overlap
+    ///
+    /// By default it is 0.1 mm, or a millionth of the size of the scenes if they state no unit. It
+    /// is at least 16 units in the last place of the largest f32 coordinate.
+    #[arg(long, value_name = "D", allow_hyphen_values = true)]
+    tolerance: Option<Length>,
+    /// Report also pairs of parts whose gap is at most D
+    #[arg(long, value_name = "D", allow_hyphen_values = true)]
+    clearance: Option<Length>,
+    /// List pairs of parts that touch, too
+    #[arg(long)]
+    contacts: bool,
+    /// Sets, rules, ignores and accepted clashes in a .toml file, a .csv matrix of groups, or the
+    /// .json clash sets of IfcClash
+    #[arg(long, value_name = "RULES")]
+    rules: Option<PathBuf>,
+    /// A report that --json wrote before: statuses carry over from it, and what is gone is listed
+    #[arg(long, value_name = "OLD.json")]
+    previous: Option<PathBuf>,
+    /// Accepted clashes, as [[accept]] tables in a .toml file
+    #[arg(long, value_name = "A.toml")]
+    accept: Option<PathBuf>,
+    /// How to group clashes
+    #[arg(long, value_name = "BY", default_value = "part")]
+    group: GroupingArgument,
+    /// Move the middle of all scenes to the origin before coordinates are rounded
+    ///
+    /// Models far from the origin, as in UTM coordinates, then keep their precision.
+    #[arg(long)]
+    shift: bool,
+    /// Unit of the report: um, mm, cm, in, ft or m; files that state no unit are taken to be in it
+    #[arg(long, value_name = "U")]
+    unit: Option<Unit>,
+    /// Chordal error of tessellated surfaces, which is added to each tolerance twice, once for each
+    /// part
+    #[arg(long, value_name = "D", allow_hyphen_values = true)]
+    sag: Option<Length>,
+    /// JSON file with keys, types and names of nodes, for all scenes or for the one with the label
+    #[arg(long, value_name = "[LABEL=]N.json")]
+    names: Vec<String>,
+    /// Print one JSON object instead of the report, or write it to a file
+    #[arg(long, value_name = "OUT", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
+    json: Option<PathBuf>,
+    /// Write one row a clash to a .csv file
+    #[arg(long, value_name = "OUT")]
+    csv: Option<PathBuf>,
+    /// Number of threads to use; all processors by default
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
+    threads: Option<u16>,
+}
+
+/// Values of `--group`.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum GroupingArgument {
+    /// By the part that most clashes share
+    Part,
+    /// By the types of both parts
+    Type,
+    /// By the scenes of both parts
+    Scene,
+    /// Not at all
+    None,
+}
+
+/// All results of a search.
+struct Outcome<'r> {
+    about: ReportAbout<'r>,
+    report: Report,
+    seconds: Seconds,
+}
+
+/// Duration of each phase, in seconds.
+#[derive(Clone, Copy, Default)]
+struct Seconds {
+    load: f64,
+    search: f64,
+}
+
+/// Finds the clashes, prints the report and writes the requested files.
+///
+/// # Errors
+/// Returns an error if there is no answer, or it cannot be written.
+pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
+    arguments.validate_outputs()?;
+    match arguments.threads {
+        None => answer(arguments),
+        Some(threads) => rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.into())
+            .build()
+            .map_err(|error| Failure::new("threads", format!("cannot start {threads} threads: {error}")))?
+            .install(|| answer(arguments)),
+    }
+}
+
+fn answer(arguments: &Arguments) -> Result<Verdict, Failure> {
+    let (loaded, load) = timed("loading", || scenes::load(arguments));
+    let loaded = loaded?;
+    let unit = loaded.iter().find_map(|scene| scene.unit);
+    let limits = Limits::default();
+    let rules_file = match &arguments.rules {
+        Some(path) => Some(load_rules(path, unit, &limits)?),
+        None => None,
+    };
+    let previous = match &arguments.previous {
+        Some(path) => Some(load_previous(path, unit, &limits)?),
+        None => None,
+    };
+    let accepts = match &arguments.accept {
+        Some(path) => load_rules(path, unit, &limits)?.rules.accepts,
+        None => Vec::new(),
+    };
+    let sides: Vec<Side<'_>> =
+        loaded.iter().map(|Loaded { label, scene, .. }| Side { label: label.clone(), scene }).collect();
+    let asked = arguments.asked(&sides, unit, rules_file.as_ref())?;
+    let rules = arguments.with_sag(rules_file.as_ref(), &asked, accepts);
+    let (report, search) = timed_search(&sides, &options(arguments, &asked, rules.as_ref(), previous.as_ref()));
+    let report = report.map_err(|error| failure(&error, arguments, rules_file.as_ref()))?;
+    let scenes = loaded.iter().map(Loaded::about).collect();
+    let stated = rules.as_ref().filter(|_| rules_file.is_some());
+    let about = ReportAbout { unit, scenes, asked, rules: stated };
+    let outcome = Outcome { about, report, seconds: Seconds { load, search } };
+    outcome.write(arguments)?;
+    Ok(if outcome.report.is_clear() { Verdict::Clear } else { Verdict::Collision })
+}
+
+fn options<'o>(
+    arguments: &Arguments,
+    asked: &Asked,
+    rules: Option<&'o Rules>,
+    previous: Option<&'o Previous>,
+) -> Options<'o> {
+    Options {
+        tolerance: asked.tolerance + 2.0 * asked.sag.unwrap_or(0.0),
+        clearance: asked.clearance,
+        contacts: arguments.contacts,
+        between: arguments.between,
+        rules,
+        previous,
+        grouping: match arguments.group {
+            GroupingArgument::Part => Grouping::Part,
+            GroupingArgument::Type => Grouping::Type,
+            GroupingArgument::Scene => Grouping::Scene,
+            GroupingArgument::None => Grouping::None,
+        },
+    }
+}
+
+/// Searches with a progress bar, and returns the report with the duration in seconds.
+fn timed_search(sides: &[Side<'_>], options: &Options<'_>) -> (Result<Report, ClashError>, f64) {
+    let start = std::time::Instant::now();
+    let search = || {
+        let job = Job::new(sides, *options, Execution::default().budget())?;
+        let bar = Bar::begin("comparing pairs", job.candidates() as u64);
+        let advance = |rows: usize| bar.advance_by(rows as u64);
+        let findings = job.classify(0..job.candidates(), Execution::default().with_progress(&advance))?;
+        Ok(job.report(findings, None))
+    };
+    (search(), start.elapsed().as_secs_f64())
+}
+
+fn failure(error: &ClashError, arguments: &Arguments, rules: Option<&RulesFile>) -> Failure {
+    let in_rules = |set: Option<&str>| {
+        let failure = Failure::new("rules", error.to_string());
+        let failure = arguments.rules.iter().fold(failure, |failure, path| failure.in_file(path));
+        let line = set.and_then(|set| rules?.line_of_set(set));
+        line.into_iter().fold(failure, |failure, line| failure.at(format!("line {line}")))
+    };
+    match error {
+        ClashError::Label { .. } => Failure::new("label", error.to_string()).hint("write LABEL=SCENE, as in old=a.glb"),
+        ClashError::UnknownSet { .. } => in_rules(None),
+        ClashError::EmptySet { set, .. } => in_rules(Some(set))
+            .hint("correct the patterns of the set, or remove the rule if the model has no such parts"),
+        ClashError::Stopped(_) => Failure::new("memory", error.to_string()),
+        _ => Failure::new("input", error.to_string()),
+    }
+}
+
+impl Arguments {
+    /// Reports whether the JSON object replaces the report on standard output.
+    fn prints_json(&self) -> bool {
+        self.json.as_deref() == Some(Path::new("-"))
+    }
+
+    fn json_file(&self) -> Option<&Path> {
+        self.json.as_deref().filter(|&path| path != Path::new("-"))
+    }
+
+    /// Validates the names of the output files, before any work.
+    fn validate_outputs(&self) -> Result<(), Failure> {
+        if let Some(path) = self.csv.as_deref().filter(|path| output::extension(path) != "csv") {
+            return Err(output::unknown_extension(path, ".csv"));
+        }
+        if let Some(path) = self.json_file().filter(|path| output::extension(path) != "json") {
+            return Err(output::unknown_extension(path, ".json"));
+        }
+        if let Some(path) = self.accept.as_deref().filter(|path| output::extension(path) != "toml") {
+            return Err(Failure::new("rules", "accepted clashes are in a .toml file").in_file(path));
+        }
+        if let Some(path) = &self.rules
+            && RulesFormat::from_extension(&output::extension(path)).is_none()
+        {
+            return Err(Failure::new("rules", "rules are in a .toml, .csv or .json file").in_file(path));
+        }
+        // A previous report may be replaced by the new one.
+        let scenes: Vec<PathBuf> = self.scenes.iter().map(|argument| scenes::split(argument).1).collect();
+        let inputs: Vec<&Path> = scenes.iter().chain(&self.rules).chain(&self.accept).map(PathBuf::as_path).collect();
+        [self.json_file(), self.csv.as_deref()]
+            .into_iter()
+            .flatten()
+            .try_for_each(|path| output::validate(path, &inputs))
+    }
+
+    /// Returns the question, with lengths in the unit of the scenes.
+    fn asked(&self, sides: &[Side<'_>], unit: Option<Unit>, rules: Option<&RulesFile>) -> Result<Asked, Failure> {
+        let length = |length: Option<Length>, option: &str| {
+            let converted = length.map(|length| {
+                length.in_unit(unit).ok_or_else(|| {
+                    let message = format!("{length} has a unit, but the scenes state none");
+                    Failure::new("unit", message).at(option).hint("state the unit of the scenes with --unit")
+                })
+            });
+            converted.transpose()
+        };
+        let stated = length(self.tolerance, "--tolerance")?.or(rules.and_then(|rules| rules.tolerance));
+        Ok(Asked {
+            tolerance: stated.unwrap_or_else(|| default_tolerance(sides, unit.map(Unit::meters))),
+            default_tolerance: stated.is_none(),
+            clearance: length(self.clearance, "--clearance")?.or(rules.and_then(|rules| rules.clearance)),
+            sag: length(self.sag, "--sag")?,
+            contacts: self.contacts,
+            between: self.between,
+            rules: path_text(self.rules.as_deref()),
+            previous: path_text(self.previous.as_deref()),
+            accept: path_text(self.accept.as_deref()),
+        })
+    }
+
+    /// Returns the rules with the sag in their tolerances, and with all accepted clashes. Returns
+    /// `None` if there are none of either.
+    fn with_sag(&self, file: Option<&RulesFile>, asked: &Asked, accepts: Vec<Accept>) -> Option<Rules> {
+        if file.is_none() && accepts.is_empty() {
+            return None;
+        }
+        let mut rules = file.map_or_else(Rules::default, |file| file.rules.clone());
+        for tolerance in rules.rules.iter_mut().filter_map(|rule| rule.tolerance.as_mut()) {
+            *tolerance += 2.0 * asked.sag.unwrap_or(0.0);
+        }
+        rules.accepts.extend(accepts);
+        Some(rules)
+    }
+}
+
+fn path_text(path: Option<&Path>) -> Option<String> {
+    path.map(|path| path.display().to_string())
+}
+
+impl Outcome<'_> {
+    /// Prints the report or the JSON object, and writes the requested files.
+    fn write(&self, arguments: &Arguments) -> Result<(), Failure> {
+        let Self { about, report, .. } = self;
+        let version = env!("CARGO_PKG_VERSION");
+        if let Some(path) = arguments.json_file() {
+            output::write(path, |out| write_clash_json(out, report, about, version))?;
+        }
+        if let Some(path) = &arguments.csv {
+            output::write(path, |out| write_clash_csv(out, report, about))?;
+        }
+        if arguments.prints_json() {
+            let mut object = Vec::new();
+            // Writing to a list of bytes cannot fail, and JSON is UTF-8.
+            let _ = write_clash_json(&mut object, report, about, version);
+            return console::print_answer(&String::from_utf8_lossy(&object));
+        }
+        console::print_answer(&report::text(self))
+    }
+
+    fn scenes(&self) -> &[SceneAbout] {
+        &self.about.scenes
+    }
+}

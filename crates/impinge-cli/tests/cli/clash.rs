@@ -1,0 +1,218 @@
+//! `impinge clash`: reports, files, rules, previous reports, and errors.
+
+use serde_json::Value;
+
+use crate::{Folder, Run};
+
+/// Returns boxes as one OBJ file, each with a name and two corners.
+fn model(boxes: &[(&str, [f64; 3], [f64; 3])]) -> String {
+    let mut text = String::new();
+    for (number, (name, min, max)) in boxes.iter().enumerate() {
+        for corner in 0..8 {
+            let at = |k: usize| if corner >> k & 1 == 0 { min[k] } else { max[k] };
+            text += &format!("v {} {} {}\n", at(0), at(1), at(2));
+        }
+        text += &format!("o {name}\n");
+        for face in ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"] {
+            let indices = face.split(' ').map(|index| index.parse::<usize>().unwrap() + 8 * number);
+            text += &format!("f{}\n", indices.map(|index| format!(" {index}")).collect::<String>());
+        }
+    }
+    text
+}
+
+const WALL: (&str, [f64; 3], [f64; 3]) = ("wall", [0.0; 3], [5.0, 0.25, 3.0]);
+const PIPE: (&str, [f64; 3], [f64; 3]) = ("pipe", [1.0, 0.125, 1.0], [1.125, 2.0, 1.125]);
+const SHELF: (&str, [f64; 3], [f64; 3]) = ("shelf", [3.0, 0.26, 0.0], [4.0, 0.5, 1.0]);
+const LAMP: (&str, [f64; 3], [f64; 3]) = ("lamp", [9.0; 3], [10.0; 3]);
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("house.obj", &model(&[WALL, PIPE, SHELF, LAMP]));
+    folder
+}
+
+fn json(run: &Run) -> Value {
+    serde_json::from_str(&run.stdout).unwrap()
+}
+
+fn clashes(report: &Value) -> Vec<String> {
+    let row = |clash: &Value| {
+        let text = |value: &Value| value.as_str().unwrap().to_owned();
+        [&clash["kind"], &clash["a"]["name"], &clash["b"]["name"], &clash["status"]].map(text).join(" ")
+    };
+    report["clashes"].as_array().unwrap().iter().map(row).collect()
+}
+
+#[test]
+fn the_report_names_kinds_depths_and_groups() {
+    let folder = folder();
+    let run = folder.run("clash house.obj --unit m --clearance 20mm");
+    assert_eq!((run.code, run.stderr.as_str()), (1, ""), "{run:?}");
+    for part in [
+        "house  house.obj  4 parts",
+        "common material deeper than 0.1 mm (the default); gaps of at most 20 mm",
+        "1 clash, 1 narrow gap",
+        "\n  part 'wall' meets 2 parts; the worst: part 'pipe' enters part 'wall' by 125 mm\n",
+        "100 mm to 1 m",
+    ] {
+        assert!(run.stdout.contains(part), "{part:?} is not in {}", run.stdout);
+    }
+    let clear = folder.run("clash house.obj --tolerance 1/4");
+    assert_eq!((clear.code, clear.stderr.as_str()), (0, ""));
+    assert!(clear.stdout.contains("No clashes"), "{}", clear.stdout);
+}
+
+#[test]
+fn json_has_what_was_asked_and_the_same_bytes_for_any_threads() {
+    let folder = folder();
+    let run = folder.run("clash house.obj --unit m --clearance 20mm --json");
+    let report = json(&run);
+    assert_eq!(report["schema"], "impinge.clash/1");
+    assert_eq!(clashes(&report), ["clash pipe wall new", "clearance shelf wall new"]);
+    assert_eq!(report["asked"]["clearance"], 0.02);
+    assert_eq!(report["scenes"][0]["parts"], 4);
+    assert!(report["counts"].get("contact").is_none() && report.get("gone").is_none() && report.get("rules").is_none());
+    for threads in ["1", "2"] {
+        let again = folder.run(&format!("clash house.obj --unit m --clearance 20mm --json --threads {threads}"));
+        assert_eq!(again, run);
+    }
+    let contacts = json(&folder.run("clash house.obj --unit m --contacts --json"));
+    assert_eq!(contacts["counts"]["contact"], 0);
+    assert!(contacts["counts"].get("clearance").is_none());
+    // The other order of the parts changes nothing but the handles of the parts.
+    folder.write("turned.obj", &model(&[LAMP, SHELF, PIPE, WALL]));
+    let turned = json(&folder.run("clash house=turned.obj --unit m --clearance 20mm --json"));
+    assert_eq!(clashes(&turned), clashes(&report));
+    assert_eq!(turned["clashes"][0]["id"], report["clashes"][0]["id"]);
+}
+
+#[test]
+fn files_are_written_beside_the_report() {
+    let folder = folder();
+    let run = folder.run("clash house.obj --unit m --json=out.json --csv out.csv");
+    assert_eq!(run.code, 1);
+    assert!(run.stdout.contains("1 clash"));
+    let report: Value = serde_json::from_str(&folder.read("out.json")).unwrap();
+    let csv = folder.read("out.csv");
+    let rows: Vec<&str> = csv.lines().collect();
+    assert_eq!(rows.len(), 2);
+    assert!(rows[0].starts_with("id,kind,status,"));
+    assert!(rows[1].starts_with(&format!("{},clash,new,,,m,", report["clashes"][0]["id"].as_str().unwrap())));
+}
+
+#[test]
+fn two_scenes_are_compared_between_each_other() {
+    let folder = folder();
+    folder.write("pipes.obj", &model(&[PIPE, ("pipe 2", PIPE.1, PIPE.2)]));
+    folder.write("walls.obj", &model(&[WALL]));
+    let run = folder.run("clash pipes.obj arch=walls.obj --unit m --between --json");
+    assert_eq!(clashes(&json(&run)), ["clash wall pipe new", "clash wall pipe 2 new"]);
+    assert_eq!(json(&run)["duplicates"].as_array().unwrap().len(), 0);
+    let swapped = folder.run("clash arch=walls.obj pipes.obj --unit m --between --json");
+    assert_eq!(json(&swapped)["clashes"], json(&run)["clashes"]);
+    let all = json(&folder.run("clash pipes.obj arch=walls.obj --unit m --json"));
+    assert_eq!(all["duplicates"][0]["parts"].as_array().unwrap().len(), 2);
+    let twice = folder.run("clash walls.obj walls.obj --json");
+    assert_eq!((twice.code, json(&twice)["error"]["kind"].as_str()), (2, Some("label")));
+}
+
+#[test]
+fn rules_select_and_errors_name_file_and_line() {
+    let folder = folder();
+    folder.write(
+        "rules.toml",
+        "[sets]\npipes = { name = \"pipe*\" }\nwalls = { name = \"wall\" }\n\n[[rule]]\na = \"pipes\"\nb = \"walls\"\n\
+         tolerance = \"1/2m\"\n\n[[rule]]\nname = \"room\"\na = \"walls\"\nb = \"*\"\nclearance = \"2cm\"\nseverity = \"low\"\n",
+    );
+    let run = folder.run("clash house.obj --unit m --rules rules.toml");
+    assert_eq!((run.code, run.stderr.as_str()), (1, ""));
+    assert!(run.stdout.contains("pairs by rule") && run.stdout.contains("room"), "{}", run.stdout);
+    let report = json(&folder.run("clash house.obj --unit m --rules rules.toml --json"));
+    assert_eq!(clashes(&report), ["clearance shelf wall new"]);
+    assert_eq!((&report["clashes"][0]["rule"], &report["clashes"][0]["severity"]), (&"room".into(), &"low".into()));
+    assert_eq!(report["rules"][1]["pairs"], 1);
+
+    folder.write("empty.toml", "[sets]\nducts = { type = \"IfcDuct*\" }\n[[rule]]\na = \"ducts\"\nb = \"*\"\n");
+    let run = folder.run("clash house.obj --unit m --rules empty.toml --json");
+    let error = &json(&run)["error"];
+    assert_eq!((run.code, &error["file"], &error["where"]), (2, &"empty.toml".into(), &"line 2".into()));
+    assert!(error["message"].as_str().unwrap().contains("\"ducts\""));
+    folder.write("wrong.toml", "tolerance = \"2mm\"\n\n[[rule]]\na = \"*\"\nb = \"*\"\nclearance = \"2 furlongs\"\n");
+    let error = &json(&folder.run("clash house.obj --unit m --rules wrong.toml --json"))["error"];
+    assert_eq!((&error["kind"], &error["where"]), (&"syntax".into(), &"line 3".into()));
+}
+
+#[test]
+fn statuses_carry_over_from_the_previous_report() {
+    let folder = folder();
+    folder.run("clash house.obj --unit m --clearance 20mm --json=old.json");
+    let old = folder.read("old.json");
+    folder.write("old.json", &old.replacen("\"status\":\"new\"", "\"status\":\"approved\",\"note\":\"agreed\"", 1));
+    // The shelf is removed, a second pipe comes.
+    folder.write("house.obj", &model(&[WALL, PIPE, ("pipe 2", [2.0, 0.0, 1.0], [2.125, 2.0, 1.125]), LAMP]));
+    let run = folder.run("clash house.obj --unit m --clearance 20mm --previous old.json --json");
+    let report = json(&run);
+    let mut rows = clashes(&report);
+    rows.sort();
+    assert_eq!((run.code, rows), (1, vec!["clash pipe 2 wall new".to_owned(), "clash pipe wall approved".to_owned()]));
+    assert_eq!(report["gone"][0]["names"], serde_json::json!(["shelf", "wall"]));
+    assert_eq!(report["gone"][0]["removed"].as_array().unwrap().len(), 1);
+    let text = folder.run("clash house.obj --unit m --clearance 20mm --previous old.json").stdout;
+    assert!(text.contains("1 new, 1 approved, 1 gone (1 because a part was removed)"), "{text}");
+    // The same unit in other words.
+    let millimeters = json(&folder.run("clash house.obj --unit m --previous old.json --json"));
+    assert_eq!(clashes(&millimeters)[0].split(' ').next_back(), Some("new"));
+
+    let id = report["clashes"].as_array().unwrap().iter().find(|clash| clash["status"] == "new").unwrap()["id"].clone();
+    folder.write("accept.toml", &format!("[[accept]]\nid = {id}\n"));
+    let run = folder.run("clash house.obj --unit m --previous old.json --accept accept.toml");
+    assert_eq!(run.code, 0, "{}", run.stdout);
+    assert!(run.stdout.contains("all approved"));
+    let broken = folder.read("old.json").replacen("approved", "aproved", 1);
+    folder.write("broken.json", &broken);
+    let error = &json(&folder.run("clash house.obj --unit m --previous broken.json --json"))["error"];
+    assert!(error["message"].as_str().unwrap().contains("new, active, reviewed, approved and resolved"), "{error}");
+}
+
+#[test]
+fn lengths_need_a_unit_that_is_known() {
+    let folder = folder();
+    let run = folder.run("clash house.obj --tolerance 2mm --json");
+    let error = json(&run)["error"].clone();
+    assert_eq!((run.code, &error["kind"], &error["where"]), (2, &"unit".into(), &"--tolerance".into()));
+    assert_eq!(folder.run("clash house.obj --tolerance 0.2 --json").code, 0);
+    assert_eq!(folder.run("clash house.obj --tolerance -1").code, 2);
+    assert_eq!(folder.run("clash house.obj --tolerance nan").code, 2);
+}
+
+#[test]
+fn outputs_and_inputs_are_validated_before_any_work() {
+    let folder = folder();
+    for arguments in [
+        "clash house.obj --csv out.txt",
+        "clash house.obj --json=out.txt",
+        "clash house.obj --rules rules.yaml",
+        "clash house.obj --accept a.json",
+        "clash house.obj --json=nowhere/out.json",
+    ] {
+        let run = folder.run(arguments);
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{arguments}: {run:?}");
+    }
+    let run = folder.run("clash model.ifc --json");
+    let hint = json(&run)["error"]["hint"].as_str().unwrap().to_owned();
+    assert_eq!(hint, "run: python -m impinge.convert model.ifc -o model.glb");
+    assert_eq!(folder.run("clash missing.obj").code, 2);
+}
+
+#[test]
+fn shifted_scenes_have_the_same_clashes() {
+    let folder = folder();
+    let far = |(name, min, max): (&'static str, [f64; 3], [f64; 3])| (name, min.map(|x| x + 3e5), max.map(|x| x + 3e5));
+    folder.write("far.obj", &model(&[WALL, PIPE, SHELF, LAMP].map(far)));
+    let report = json(&folder.run("clash house=far.obj --unit m --shift --json"));
+    assert_eq!(clashes(&report), ["clash pipe wall new"]);
+    assert_eq!(report["scenes"][0]["origin"][0], 300_005.0);
+    let near = json(&folder.run("clash house.obj --unit m --json"));
+    assert_eq!(report["clashes"][0]["id"], near["clashes"][0]["id"]);
+}

@@ -1,0 +1,5 @@
+//! Files of clash detection: rules in three forms, and reports that read back.
+
+mod mutations;
+mod reports;
+mod rules;

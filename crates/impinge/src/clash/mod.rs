@@ -1,0 +1,60 @@
+//! Clash detection over assemblies: which parts of some scenes run into each other, and how deep.
+//!
+//! Parts are solids. Each pair of parts has one [`Kind`]: duplicate, contained, clash, contact,
+//! clearance or clear. Common material that is no deeper than a tolerance counts as contact,
+//! because the coordinates of parts that touch are rounded.
+//!
+//! [`find`] searches some scenes, each with a label ([`Side`]). [`Rules`] state which sets of parts
+//! are checked against each other. The [`Report`] lists the clashes, the worst first, with an
+//! identity that stays the same from one report to the next. With a [`Previous`] report, statuses
+//! carry over.
+//!
+//! ```
+//! use impinge::clash::{self, Kind, Options, Side, default_tolerance};
+//! use impinge::query::batch::Execution;
+//! use impinge::scene::Scene;
+//! use impinge::{Pose, Shape};
+//!
+//! let mut scene = Scene::new();
+//! for (name, x) in [("left", 0.0), ("right", 0.98), ("beside", 2.005)] {
+//!     scene.add(name, Shape::cuboid([0.5; 3])?, Pose::from_translation([x, 0.0, 0.0])?)?;
+//! }
+//! let sides = [Side { label: "walls".to_owned(), scene: &scene }];
+//! // The unit of the scene is the meter.
+//! let options = Options { clearance: Some(0.05), ..Options::new(default_tolerance(&sides, Some(1.0))) };
+//! let report = clash::find(&sides, options, Execution::default())?;
+//! let kinds: Vec<Kind> = report.clashes.iter().map(|clash| clash.kind).collect();
+//! assert_eq!(kinds, [Kind::Clash, Kind::Clearance]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! `sides` has the scenes and their parts, `rules` and `matching` the rules, `near` the broad
+//! phase, `kinds` the kind of a pair, and `job` the search. `report`, `identity`, `status`,
+//! `decades`, `groups` and `sentence` make the report. Guarded by `tests/it/clash`.
+
+mod decades;
+mod error;
+mod groups;
+mod identity;
+mod job;
+mod kinds;
+mod matching;
+mod near;
+mod options;
+mod report;
+mod rules;
+mod sentence;
+mod sides;
+mod status;
+
+pub use decades::{Decade, Decades, DepthGap};
+pub use error::ClashError;
+pub use groups::{Group, Grouping, Shared};
+pub use identity::identity;
+pub use job::{Job, find};
+pub use kinds::{Asked, Finding, Inner, Kind, Why};
+pub use options::Options;
+pub use report::{Clash, Counts, DuplicateSet, Report};
+pub use rules::{ALL, Accept, Ignore, Rule, Rules, Selector, Set};
+pub use sides::{Member, Side, default_tolerance};
+pub use status::{Gone, Known, Previous, Status, UnknownStatus};
