@@ -5,7 +5,7 @@
 use std::fmt;
 
 use crate::budget::Budget;
-use crate::query::{Deeper, Depth, Distance, Placed, Proximity, Query};
+use crate::query::{Depth, Distance, Placed, Proximity, Query};
 
 /// Relation of two solids. Exactly one kind holds for each pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -102,48 +102,56 @@ impl fmt::Display for Why {
 /// work.
 pub(super) fn classify(a: &Placed<'_>, b: &Placed<'_>, asked: &Asked, budget: &Budget<'_>) -> Finding {
     let query = || Query::new().with_budget(budget);
-    let found = |kind| Finding { kind, depth: None, gap: None, point: None, proved: true, why: None };
-    let gap = query().distance(a, b);
-    let point = gap.witness.map(|w| std::array::from_fn(|k| 0.5 * (w.point_a[k] + w.point_b[k])));
-    if gap.proximity == Proximity::Apart {
-        let is_near = asked.clearance.is_some_and(|clearance| gap.lower <= clearance);
-        let kind = if is_near { Kind::Clearance } else { Kind::Clear };
-        return Finding { gap: Some(gap), point, ..found(kind) };
+    let verdict = query().material_beyond(a, b, asked.tolerance);
+    let found = |kind| Finding { kind, depth: None, gap: None, point: verdict.point, proved: true, why: None };
+    if verdict.upper <= asked.tolerance {
+        return Finding { proved: verdict.is_proved, why: unproved(&verdict), ..shallow(a, b, asked, budget) };
     }
-    if is_same(a, b) {
-        return found(Kind::Duplicate);
+    if verdict.lower <= asked.tolerance {
+        let why = if budget.stopped().is_some() { Why::Budget } else { Why::NotSolid };
+        return Finding { depth: Some(verdict), proved: false, why: Some(why), ..found(Kind::Undecided) };
     }
-    if let (Some(inner), Some(outer)) = (a.mesh(), b.mesh()) {
-        let [bare_a, bare_b] = [inner, outer].map(|mesh| mesh.mesh.at(mesh.world_from_mesh));
-        if !query().intersects(bare_a, bare_b) {
-            let is_in_b = query().intersects(bare_a, outer);
-            return found(Kind::Contained(if is_in_b { Inner::A } else { Inner::B }));
+    let is_in = |inner: &Placed<'_>, outer: &Placed<'_>| query().is_inside(inner, outer, asked.tolerance);
+    let kind = match (is_in(a, b), is_in(b, a)) {
+        (true, true) => Kind::Duplicate,
+        (true, false) => Kind::Contained(Inner::A),
+        (false, true) => Kind::Contained(Inner::B),
+        (false, false) => {
+            let depth = query().depth(a, b);
+            // The search for the depth may find less than the search for the threshold did.
+            let depth = if depth.lower >= verdict.lower { depth } else { Depth { upper: depth.upper, ..verdict } };
+            let point = depth.point.or(verdict.point);
+            let proved = depth.is_proved && verdict.is_proved;
+            return Finding { depth: Some(depth), point, proved, why: unproved(&depth), ..found(Kind::Clash) };
         }
-    }
-    let size = [a, b].map(|placed| placed.mesh().map_or(0, |mesh| mesh.mesh.faces().len()));
-    let depth = if size[0] + size[1] < 100 {
-        query().depth(a, b)
-    } else {
-        let (lower, upper) = match query().deeper(a, b, asked.tolerance) {
-            Deeper::Yes => (asked.tolerance.next_up(), f64::INFINITY),
-            Deeper::No => (0.0, asked.tolerance),
-            Deeper::Undecided => (0.0, f64::INFINITY),
-        };
-        Depth { lower, upper, point: None, is_proved: true }
     };
-    let found = Finding { point: depth.point.or(point), depth: Some(depth), ..found(Kind::Contact) };
-    match (depth.lower > asked.tolerance, depth.upper <= asked.tolerance) {
-        (true, _) => Finding { kind: Kind::Clash, ..found },
-        (_, true) => found,
-        _ => {
-            let why = if budget.stopped().is_some() { Why::Budget } else { Why::NotSolid };
-            Finding { kind: Kind::Undecided, proved: false, why: Some(why), ..found }
-        }
-    }
+    Finding { proved: verdict.is_proved, why: unproved(&verdict), ..found(kind) }
 }
 
-fn is_same(a: &Placed<'_>, b: &Placed<'_>) -> bool {
-    let (Some(a), Some(b)) = (a.mesh(), b.mesh()) else { return false };
-    let is_one = a.mesh.faces() == b.mesh.faces() && a.mesh.positions() == b.mesh.positions();
-    is_one && a.world_from_mesh == b.world_from_mesh
+/// Share of the tolerance up to which the depth of a contact is not told apart from zero.
+const SLIGHT: f64 = 1.0 / 1024.0;
+
+/// Returns the finding for two solids that share no material deeper than the tolerance.
+fn shallow(a: &Placed<'_>, b: &Placed<'_>, asked: &Asked, budget: &Budget<'_>) -> Finding {
+    let query = || Query::new().with_budget(budget);
+    let found = |kind| Finding { kind, depth: None, gap: None, point: None, proved: true, why: None };
+    if asked.clearance.is_none() && !query().intersects(a, b) {
+        return found(Kind::Clear);
+    }
+    let gap = asked.clearance.map(|_| query().distance(a, b));
+    if let (Some(gap), Some(clearance)) = (gap, asked.clearance)
+        && gap.proximity == Proximity::Apart
+    {
+        let point = gap.witness.map(|w| std::array::from_fn(|k| 0.5 * (w.point_a[k] + w.point_b[k])));
+        let kind = if gap.lower <= clearance { Kind::Clearance } else { Kind::Clear };
+        return Finding { gap: Some(gap), point, ..found(kind) };
+    }
+    // Most contacts are flush, and a small threshold is much faster than the depth.
+    let slight = query().material_beyond(a, b, SLIGHT * asked.tolerance);
+    let depth = if slight.upper <= SLIGHT * asked.tolerance { slight } else { query().depth(a, b) };
+    Finding { point: depth.point, depth: Some(depth), ..found(Kind::Contact) }
+}
+
+fn unproved(depth: &Depth) -> Option<Why> {
+    (!depth.is_proved).then_some(Why::NotSolid)
 }

@@ -1,10 +1,12 @@
 //! How deep two solids share material, and whether deeper than a threshold.
 //!
 //! `cell` has the convex cells into which the common part is divided, `side` the faces of a solid
-//! near it, and `search` the search. `solids` prepares both solids.
+//! near it, and `search` the search. `solids` prepares both solids. `shapes` has the depth of things
+//! that are not meshes.
 
 mod cell;
 mod search;
+mod shapes;
 mod side;
 mod solids;
 
@@ -13,8 +15,8 @@ use solids::Solids;
 
 use super::Query;
 use super::penetrates::Penetrates;
+use super::penetration::solid;
 use super::placed::{Placed, meshes};
-use crate::mesh::PlacedMesh;
 
 /// Depth of the material that two solids share, as a proved interval, with a point that shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,8 +64,9 @@ pub struct Depth {
 /// # Accuracy
 /// The true depth lies in `[lower, upper]`, and `point` shows the lower bound (docs/notes/proof.md,
 /// L41). The width is at most 1/1024 of the depth plus about 2^-39 of the size of the solids, unless
-/// the number of cells limits it. For shapes other than meshes the upper bound is that of
-/// [`penetration`](super::penetration()), and the lower bound is zero.
+/// the number of cells limits it. If one thing is a shape other than a mesh, the upper bound is that
+/// of [`penetration`](super::penetration()), and points near its witnesses show the lower bound. The
+/// two may differ much.
 ///
 /// # Complexity
 /// Grows with the number of faces of both solids near their common part. At most 16,384 cells, each
@@ -134,7 +137,7 @@ impl Query<'_> {
     /// Computes [`depth`]. If the budget ends the search, the interval is wider.
     #[must_use]
     pub fn depth<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Depth {
-        self.shared_material(a, b, None)
+        self.shared_material(&a.into(), &b.into(), None)
     }
 
     /// Returns [`deeper`]. If the budget ends the search, the answer is `Undecided` unless a point
@@ -145,15 +148,7 @@ impl Query<'_> {
     #[must_use]
     pub fn deeper<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, threshold: f64) -> Deeper {
         assert!(threshold >= 0.0, "the threshold must not be negative or NaN");
-        let (a, b) = (a.into(), b.into());
-        if threshold == 0.0 {
-            return match self.penetrates(&a, &b) {
-                Penetrates::Yes => Deeper::Yes,
-                Penetrates::Undecided => Deeper::Undecided,
-                Penetrates::No => Deeper::No,
-            };
-        }
-        let depth = self.shared_material(&a, &b, Some(threshold));
+        let depth = self.material_beyond(a, b, threshold);
         if depth.lower > threshold {
             Deeper::Yes
         } else if depth.upper <= threshold {
@@ -163,30 +158,48 @@ impl Query<'_> {
         }
     }
 
-    /// Returns the depth, as far as a comparison with the threshold needs it.
-    pub(crate) fn shared_material<'a, 'b>(
+    /// Returns an interval that holds the depth, as far as a comparison with the threshold needs it.
+    pub(crate) fn material_beyond<'a, 'b>(
         self,
         a: impl Into<Placed<'a>>,
         b: impl Into<Placed<'b>>,
-        threshold: Option<f64>,
+        threshold: f64,
     ) -> Depth {
         let (a, b) = (a.into(), b.into());
+        if threshold > 0.0 {
+            return self.shared_material(&a, &b, Some(threshold));
+        }
         let budget = self.options.budget;
-        let Some([a, b]) = meshes(&a, &b) else {
-            let way_out = self.penetration(&a, &b);
-            return Depth { lower: 0.0, upper: way_out.map_or(0.0, |found| found.upper), point: None, is_proved: true };
+        match self.penetrates(&a, &b) {
+            Penetrates::No => Depth::NONE,
+            // The depth of an intersection that is proved may be below what the search resolves.
+            Penetrates::Yes => {
+                let depth = Query::new().with_budget(budget).depth(&a, &b);
+                Depth { lower: depth.lower.max(f64::MIN_POSITIVE), upper: depth.upper.max(f64::MIN_POSITIVE), ..depth }
+            }
+            Penetrates::Undecided => Query::new().with_budget(budget).depth(&a, &b),
+        }
+    }
+
+    /// Returns the depth, or as much as a comparison with the threshold needs.
+    fn shared_material(self, a: &Placed<'_>, b: &Placed<'_>, threshold: Option<f64>) -> Depth {
+        let budget = self.options.budget;
+        let Some([a, b]) = meshes(a, b) else {
+            return shapes::depth_of_shapes(&solid(a), &solid(b), budget);
         };
         let goal = Goal { threshold, outside_first: false, measured: [true; 2], max_cells: MAX_CELLS };
         Solids::new(a, b, true).map_or(Depth::NONE, |solids| solids.search(goal, budget).into())
     }
 
-    /// Returns whether a solid lies inside another, up to a tolerance: whether no point of `inner`
-    /// is farther than the tolerance outside of `outer`. `None` if that is undecided.
-    pub(crate) fn contains_solid(self, outer: PlacedMesh<'_>, inner: PlacedMesh<'_>, tolerance: f64) -> Option<bool> {
+    /// Reports whether a solid is proved to lie inside another, up to a tolerance: no point of
+    /// `inner` is farther than the tolerance outside of `outer`. Only meshes are compared.
+    pub(crate) fn is_inside(self, inner: &Placed<'_>, outer: &Placed<'_>, tolerance: f64) -> bool {
+        let Some([outer, inner]) = meshes(outer, inner) else { return false };
         let goal =
             Goal { threshold: Some(tolerance), outside_first: true, measured: [true, false], max_cells: MAX_CELLS };
-        let found = Solids::new(outer, inner, false)?.search(goal, self.options.budget);
-        if found.lower > tolerance { Some(false) } else { (found.upper <= tolerance).then_some(true) }
+        Solids::new(outer, inner, false)
+            .filter(|solids| solids.first_box_holds_second(tolerance))
+            .is_some_and(|solids| solids.search(goal, self.options.budget).is_within(tolerance))
     }
 }
 

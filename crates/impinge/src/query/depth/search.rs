@@ -44,8 +44,17 @@ pub(super) struct Found {
     pub(super) upper: f64,
     /// The point with the depth `lower`, in the frame of the search.
     pub(super) point: Option<Vector>,
+    /// The search does not tell smaller depths from zero.
+    pub(super) resolution: f64,
     /// Whether a solid is open where the answer depends on it.
     pub(super) is_open: bool,
+}
+
+impl Found {
+    /// Reports whether no point is deeper than the threshold, or than rounding.
+    pub(super) fn is_within(&self, threshold: f64) -> bool {
+        self.lower <= threshold && self.upper <= threshold.max(self.resolution)
+    }
 }
 
 /// Number of flat parts of both solids in a cell above which the cell is halved, and not divided
@@ -111,7 +120,7 @@ struct Local {
 
 impl<'s, 'm> Search<'s, 'm> {
     pub(super) fn new(sides: &'s [Side<'m>; 2], goal: Goal, slack: f64, margin: f64) -> Self {
-        let found = Found { lower: 0.0, upper: f64::INFINITY, point: None, is_open: false };
+        let found = Found { lower: 0.0, upper: f64::INFINITY, point: None, resolution: 16.0 * slack, is_open: false };
         Self { sides, goal, slack, margin, found, settled: 0.0, heap: BinaryHeap::new(), count: 0 }
     }
 
@@ -153,14 +162,15 @@ impl<'s, 'm> Search<'s, 'm> {
     }
 
     fn is_decided(&self) -> bool {
-        self.goal.threshold.is_some_and(|threshold| self.found.lower > threshold)
+        self.goal.threshold.is_some() && self.found.lower > self.target()
     }
 
     /// Returns the depth up to which cells are done.
     fn target(&self) -> f64 {
         match self.goal.threshold {
+            Some(threshold) if self.goal.outside_first => threshold.max(self.found.resolution),
             Some(threshold) => threshold,
-            None => (self.found.lower * (1.0 + RELATIVE_WIDTH)).max(16.0 * self.slack),
+            None => (self.found.lower * (1.0 + RELATIVE_WIDTH)).max(self.found.resolution),
         }
     }
 
@@ -199,7 +209,7 @@ impl<'s, 'm> Search<'s, 'm> {
             own.reach = self.reach(side, &cell, &parent[side]).min(parent[side].reach);
             cell_upper = cell_upper.max(own.reach);
             let Side { faces, facets, .. } = &self.sides[side];
-            let range = self.goal.threshold.map_or(own.reach, |threshold| RANGE * threshold);
+            let range = if self.goal.threshold.is_some() { RANGE * self.target() } else { own.reach };
             let is_near = |&&face: &&u32| gap(&faces[face as usize].bounds, &bounds) <= range;
             own.near = parent[side].near.iter().filter(is_near).copied().collect();
             let is_near = |&&facet: &&u32| gap(&facets[facet as usize].bounds, &bounds) <= range;
@@ -317,7 +327,7 @@ impl<'s, 'm> Search<'s, 'm> {
     fn try_point(&mut self, piece: &Piece, point: Vector) {
         let depth = |side: usize| {
             let nearest = self.sides[side].nearest(&point, &piece.local[side].near);
-            let range = self.goal.threshold.map_or(self.margin, |threshold| RANGE * threshold);
+            let range = if self.goal.threshold.is_some() { RANGE * self.target() } else { self.margin };
             nearest.map_or(range, |(squared, ..)| squared.sqrt().min(range)) - self.slack
         };
         let measured = (0..2).filter(|&side| self.goal.measured[side]);

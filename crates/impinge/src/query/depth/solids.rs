@@ -31,6 +31,12 @@ impl<'m> Solids<'m> {
         Some(Self { placed, boxes })
     }
 
+    /// Reports whether the box of the first solid, grown by a margin, holds that of the second.
+    pub(super) fn first_box_holds_second(&self, margin: f64) -> bool {
+        let [[low, high], [inner_low, inner_high]] = &self.boxes;
+        (0..3).all(|axis| inner_low[axis] >= low[axis] - margin && inner_high[axis] <= high[axis] + margin)
+    }
+
     /// Returns the part of space that the goal is about: the common part of both boxes, or the box
     /// of the second solid. `None` if it is empty.
     fn region(&self, goal: &Goal) -> Option<[Vector; 2]> {
@@ -53,12 +59,13 @@ impl<'m> Solids<'m> {
 
     /// Searches the goal. The point of the answer is in the world frame.
     pub(super) fn search(&self, goal: Goal, budget: &Budget<'_>) -> Found {
-        const NOTHING: Found = Found { lower: 0.0, upper: 0.0, point: None, is_open: false };
+        const NOTHING: Found = Found { lower: 0.0, upper: 0.0, point: None, resolution: 0.0, is_open: false };
         let Some(region) = self.region(&goal) else { return NOTHING };
         let origin: Vector = std::array::from_fn(|axis| 0.5 * region[0][axis] + 0.5 * region[1][axis]);
         let slack = self.slack(&origin);
         // A face beyond the margin is farther than any depth that decides.
-        let margin = goal.threshold.map_or(f64::INFINITY, |t| 2.0 * t).min(self.inradius_bound(&goal)) + 64.0 * slack;
+        let margin = goal.threshold.map_or(f64::INFINITY, |threshold| 2.0 * threshold).min(self.inradius_bound(&goal))
+            + 64.0 * slack;
         let local = region.map(|corner| sub(&corner, &origin));
         let sides = self.placed.map(|placed| Side::new(placed, origin, &local, margin));
         let found = Search::new(&sides, goal, slack, margin).run(&local, budget);
