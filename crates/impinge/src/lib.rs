@@ -80,6 +80,7 @@
 //! | [`scene`] | named parts, checked against each other in one configuration or in many |
 //! | [`world`] | moving bodies: which pairs begin or cease to touch at each step, with contacts |
 //! | [`character`] | rigged bodies with hit volumes |
+//! | [`clash`] | parts of scenes that run into each other: kinds, depth, rules, reports |
 //! | [`math`] | [`Pose`], vectors and exact numbers |
 //! | [`budget`] | [`Budget`]: limits on time, work and memory of queries |
 //! | [`input`] | [`InputError`]: which input is invalid, and why |

@@ -8,7 +8,7 @@
 pub struct Decades {
     /// The decades that are not empty, from the least depth.
     pub decades: Vec<Decade>,
-    /// The widest gap between depths, or `None` if there are fewer than two depths.
+    /// The widest gap between depths, or `None` if no depth is twice as large as the one below it.
     pub gap: Option<DepthGap>,
 }
 
@@ -24,7 +24,7 @@ pub struct Decade {
     pub count: usize,
 }
 
-/// A gap between depths: the largest ratio of two depths with few depths between them.
+/// A gap between depths: the largest ratio of two depths with few depths between them, at least 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthGap {
     /// Largest depth below the gap.
@@ -42,6 +42,9 @@ pub struct DepthGap {
 /// Number of pairs for each pair that may lie inside the gap. A smaller number makes gaps of pairs
 /// that are not rare; with a larger one a few odd pairs hide the gap.
 const PAIRS_PER_STRAY: usize = 1000;
+
+/// Minimum ratio of the depths on both sides of a gap. Depths that differ less belong together.
+const MIN_RATIO: f64 = 2.0;
 
 /// Maximum number of pairs inside the gap. The time grows with it.
 const MAX_STRAYS: usize = 16;
@@ -93,7 +96,7 @@ fn widest_gap(sorted: &[f64], floor: f64) -> Option<DepthGap> {
             // Each pair inside must double the ratio, or else the gap ends there.
             let ratio = sorted[high].max(floor) / sorted[low].max(floor);
             let width = ratio / 2_f64.powi((high - low - 1) as i32);
-            if width > 1.0 && best.is_none_or(|(most, ..)| width > most) {
+            if width >= MIN_RATIO && best.is_none_or(|(most, ..)| width > most) {
                 best = Some((width, low, high));
             }
         }
@@ -133,7 +136,7 @@ mod tests {
         // Depths below the rounding of coordinates do not differ.
         let gap = of(&[0.0, 1e-18, 1e-2, 0.5]).unwrap();
         assert_eq!((gap.from, gap.to), (1e-18, 1e-2));
-        assert_eq!((of(&[]), of(&[1.0]), of(&[1.0, 1.0])), (None, None, None));
+        assert_eq!((of(&[]), of(&[1.0]), of(&[1.0, 1.5, 2.5])), (None, None, None));
         // One stray in 2,000 pairs does not hide the gap.
         let mut many = vec![1e-7; 1000];
         many.extend([2e-3; 1000]);

@@ -82,11 +82,18 @@ type Duplicate = ([u32; 2], Option<usize>);
 /// use impinge::clash::{self, Options, Side};
 /// use impinge::query::batch::Execution;
 /// use impinge::scene::Scene;
-/// use impinge::{Pose, Shape};
+/// use impinge::Pose;
+/// # use impinge::{Mesh, Positions, InputError};
+/// # fn cuboid(low: [f64; 3], high: [f64; 3]) -> Result<Mesh, InputError> {
+/// #     let corners = (0..8).map(|at| std::array::from_fn(|k| if at >> k & 1 == 0 { low[k] } else { high[k] }));
+/// #     let faces = [[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
+/// #         [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]];
+/// #     Mesh::new(Positions::F64(corners.collect()), faces.to_vec())
+/// # }
 ///
 /// let mut scene = Scene::new();
-/// scene.add("wall", Shape::cuboid([2.0, 0.1, 1.5])?, Pose::IDENTITY)?;
-/// scene.add("duct", Shape::cuboid([0.2, 1.0, 0.2])?, Pose::IDENTITY)?;
+/// scene.add("wall", &cuboid([0.0; 3], [5.0, 0.25, 3.0])?, Pose::IDENTITY)?;
+/// scene.add("duct", &cuboid([2.0, -1.0, 1.0], [2.5, 1.0, 1.5])?, Pose::IDENTITY)?;
 /// let sides = [Side { label: "house".to_owned(), scene: &scene }];
 /// let report = clash::find(&sides, Options::new(1e-3), Execution::default())?;
 /// assert_eq!(report.counts.clash, 1);

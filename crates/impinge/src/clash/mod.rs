@@ -13,11 +13,19 @@
 //! use impinge::clash::{self, Kind, Options, Side, default_tolerance};
 //! use impinge::query::batch::Execution;
 //! use impinge::scene::Scene;
-//! use impinge::{Pose, Shape};
+//! use impinge::Pose;
+//! # use impinge::{Mesh, Positions, InputError};
+//! # fn cuboid(low: [f64; 3], high: [f64; 3]) -> Result<Mesh, InputError> {
+//! #     let corners = (0..8).map(|at| std::array::from_fn(|k| if at >> k & 1 == 0 { low[k] } else { high[k] }));
+//! #     let faces = [[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
+//! #         [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]];
+//! #     Mesh::new(Positions::F64(corners.collect()), faces.to_vec())
+//! # }
 //!
+//! let wall = cuboid([0.0; 3], [1.0, 1.0, 1.0])?;
 //! let mut scene = Scene::new();
-//! for (name, x) in [("left", 0.0), ("right", 0.98), ("beside", 2.005)] {
-//!     scene.add(name, Shape::cuboid([0.5; 3])?, Pose::from_translation([x, 0.0, 0.0])?)?;
+//! for (name, x) in [("left", 0.0), ("right", 0.98), ("beside", 2.0)] {
+//!     scene.add(name, &wall, Pose::from_translation([x, 0.0, 0.0])?)?;
 //! }
 //! let sides = [Side { label: "walls".to_owned(), scene: &scene }];
 //! // The unit of the scene is the meter.
