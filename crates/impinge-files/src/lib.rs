@@ -1,6 +1,6 @@
-//! Reads triangle meshes, scenes and rigged characters from files, for [`impinge`]. Supported
-//! formats are OBJ, STL, PLY, OFF, glTF, 3MF and COLLADA, optionally compressed by gzip.
-//! [Baked] meshes come with their hierarchy.
+//! Reads triangle meshes, scenes, rigged characters and robots from files, for [`impinge`].
+//! Supported formats are OBJ, STL, PLY, OFF, glTF, 3MF and COLLADA, optionally compressed by gzip,
+//! and URDF with SRDF for robots. [Baked] meshes come with their hierarchy.
 //!
 //! ```no_run
 //! let model = impinge_files::load("bunny.obj")?;
@@ -72,12 +72,14 @@ mod ply;
 mod polygon;
 mod regular_file;
 mod replace;
+mod robot;
 mod stl;
 mod text;
 mod three_mf;
 mod unit;
 mod weld;
 mod xml;
+mod xml_tree;
 
 use std::path::Path;
 
@@ -92,8 +94,12 @@ pub use model::{Model, Warning, WarningKind};
 pub use ply::write_ply;
 pub use regular_file::read_regular_file;
 pub use replace::replace_file;
+pub use robot::{
+    LoadedRobot, LoadedState, RobotGeometry, RobotGroup, RobotOptions, RobotProblem, RobotWarning, load_robot,
+};
 pub use unit::{Unit, UnknownUnit};
 
+use collada::Axes;
 use impinge::character::Rig;
 use limits::OF_FILE;
 use model::Warnings;
@@ -121,12 +127,15 @@ pub fn load(path: impl AsRef<Path>) -> Result<Model, LoadError> {
 /// # Errors
 /// Returns an error as [`load`] does, with these limits.
 pub fn load_with(path: impl AsRef<Path>, limits: &Limits) -> Result<Model, LoadError> {
-    let path = path.as_ref();
+    load_with_axes(path.as_ref(), Axes::ZUp, limits)
+}
+
+fn load_with_axes(path: &Path, axes: Axes, limits: &Limits) -> Result<Model, LoadError> {
     let load = || {
         // A missing file is reported before an unknown extension.
         regular_file::open(path)?;
         let named = Named::of(path)?;
-        read(&read_regular_file(path, limits)?, &named, path.parent(), limits)
+        read(&read_regular_file(path, limits)?, &named, (path.parent(), axes), limits)
     };
     load().map_err(|e| e.in_file(path))
 }
@@ -226,7 +235,7 @@ pub fn parse(bytes: &[u8], format: Format) -> Result<Model, LoadError> {
 /// # Errors
 /// Returns an error as [`load_with`] does; the path of the error is empty.
 pub fn parse_with(bytes: &[u8], format: Format, limits: &Limits) -> Result<Model, LoadError> {
-    read(bytes, &Named { format: Some(format), packed: None, extension: String::new() }, None, limits)
+    read(bytes, &Named { format: Some(format), packed: None, extension: String::new() }, (None, Axes::ZUp), limits)
 }
 
 /// Reads the triangles from the bytes of a file, whose format must be evident from the bytes. Other
@@ -235,12 +244,17 @@ pub fn parse_with(bytes: &[u8], format: Format, limits: &Limits) -> Result<Model
 /// # Errors
 /// Returns an error as [`load`] does; the path of the error is empty.
 pub fn parse_by_content(bytes: &[u8]) -> Result<Model, LoadError> {
-    read(bytes, &Named { format: None, packed: None, extension: String::new() }, None, &Limits::default())
+    read(bytes, &Named { format: None, packed: None, extension: String::new() }, (None, Axes::ZUp), &Limits::default())
 }
 
 /// Reads the triangles from bytes. Other files that the bytes refer to are read from `folder`, or
-/// not at all if it is `None`.
-fn read(bytes: &[u8], named: &Named, folder: Option<&Path>, limits: &Limits) -> Result<Model, LoadError> {
+/// not at all if it is `None`. `axes` are those of a COLLADA model.
+fn read(
+    bytes: &[u8],
+    named: &Named,
+    (folder, axes): (Option<&Path>, Axes),
+    limits: &Limits,
+) -> Result<Model, LoadError> {
     let mut warnings = Warnings::default();
     let file_size = bytes.len() as u64;
     limits.check_bytes(OF_FILE, file_size)?;
@@ -257,7 +271,7 @@ fn read(bytes: &[u8], named: &Named, folder: Option<&Path>, limits: &Limits) -> 
         Format::Off => off::read(bytes, limits),
         Format::Gltf | Format::Glb => gltf::read(bytes, actual, folder, limits),
         Format::ThreeMf => three_mf::read(bytes, file_size, limits),
-        Format::Collada => collada::read(bytes, limits),
+        Format::Collada => collada::read(bytes, axes, limits),
         Format::Baked => baked::read(bytes, limits),
     }?;
     let is_other = named.format.is_some_and(|format| format != actual)

@@ -28,7 +28,7 @@ const CRATES: [&str; 9] = [
 ];
 
 /// Modules of `impinge` from the bottom up. Tests are free.
-const MODULES: [&str; 20] = [
+const MODULES: [&str; 21] = [
     "input",
     "budget",
     "storage",
@@ -46,6 +46,7 @@ const MODULES: [&str; 20] = [
     "query",
     "sweep",
     "scene",
+    "robot",
     "world",
     "character",
     "interop",

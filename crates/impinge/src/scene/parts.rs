@@ -122,6 +122,15 @@ impl Scene {
         &self.part(part).shape
     }
 
+    /// Returns the pose of a part, which maps its frame to the world frame.
+    ///
+    /// # Panics
+    /// As for [`name`](Self::name).
+    #[must_use]
+    pub fn pose(&self, part: PartId) -> &Pose {
+        &self.part(part).world_from_part
+    }
+
     /// Excludes a pair of parts from all later checks.
     ///
     /// # Panics
