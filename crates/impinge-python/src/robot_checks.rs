@@ -48,12 +48,13 @@ pub(crate) fn robot_check<'py>(
     robot: &RobotCore,
     q: &Bound<'py, PyAny>,
     first: bool,
-    (self_padding, padding): (f64, Vec<f64>),
+    paddings: (f64, Vec<f64>),
     parts: Vec<Part<'py>>,
     ignored: Vec<(usize, usize)>,
     progress: Progress,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>)> {
     let (py, loaded, Progress(progress)) = (q.py(), robot.loaded().clone(), progress);
+    let (self_padding, padding) = paddings;
     let values = plain_column::<f64>(q)?;
     let rows = loaded.robot.check_rows(&values).map_err(|error| invalid(&error).raised(py))?;
     let scene = obstacles(py, &parts)?;

@@ -3,13 +3,13 @@
 use impinge::Pose;
 
 use super::{attributes::Element, warning::Notes};
-use crate::error::{LoadError, Place};
+use crate::{error::LoadError, xml_tree::Id};
 
 /// A shape of a link.
 pub(super) struct Piece {
     pub(super) form: Form,
     pub(super) link_from_piece: Pose,
-    pub(super) place: Place,
+    pub(super) element: Id,
 }
 
 /// A shape as it is written in the file.
@@ -28,10 +28,9 @@ pub(super) enum Form {
 /// Reads an element `visual` or `collision`. Returns `None` if it has no shape, with a warning.
 pub(super) fn read(element: Element<'_, '_>, notes: &mut Notes<'_>) -> Result<Option<Piece>, LoadError> {
     let tree = element.tree;
-    let place = tree.place(element.id);
     let geometry = element.child("geometry");
     let Some(id) = geometry.and_then(|geometry| tree.children(geometry.id).next()) else {
-        notes.add(place, format!("{}: an element without a shape, skipped", element.subject));
+        notes.add(tree, element.id, format!("{}: an element without a shape, skipped", element.subject));
         return Ok(None);
     };
     let shape = Element { id, ..element };
@@ -44,5 +43,5 @@ pub(super) fn read(element: Element<'_, '_>, notes: &mut Notes<'_>) -> Result<Op
         "mesh" => Form::Mesh(shape.name("filename")?, shape.numbers("scale", Some([1.0; 3]))?),
         other => return Err(shape.expected("box, cylinder, sphere, capsule or mesh", other)),
     };
-    Ok(Some(Piece { form, link_from_piece: element.origin()?, place }))
+    Ok(Some(Piece { form, link_from_piece: element.origin()?, element: element.id }))
 }

@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 use impinge::robot::{Link, Robot, RobotError};
 
 use crate::{
-    error::{LoadError, LoadErrorKind, Place},
+    error::{LoadError, LoadErrorKind},
     limits::Limits,
     regular_file::read_regular_file,
     xml::{self, Encoding},
@@ -136,14 +136,14 @@ fn read_text(path: &Path, limits: &Limits) -> Result<String, LoadError> {
 
 fn read_urdf(path: &Path, options: &RobotOptions, notes: &mut Notes<'_>) -> Result<(String, Robot), LoadError> {
     let text = read_text(path, &options.limits)?;
-    let Description { name, links: texts, joints, joint_places } = urdf::read(&Tree::parse(&text)?, notes)?;
-    let places: Vec<Place> = texts.iter().map(|link| link.place.clone()).collect();
+    let tree = Tree::parse(&text)?;
+    let Description { name, links: texts, joints, joint_elements } = urdf::read(&tree, notes)?;
     let names: Vec<String> = texts.iter().map(|link| link.name.clone()).collect();
     let place_of = |error: &RobotError| {
         let subject = error.subject()?;
-        let link = names.iter().rposition(|name| subject == format!("link {name:?}")).map(|at| &places[at]);
+        let link = names.iter().rposition(|name| subject == format!("link {name:?}")).map(|at| texts[at].element);
         let joint = || joints.iter().rposition(|joint| subject == format!("joint {:?}", joint.name));
-        link.or_else(|| Some(&joint_places[joint()?])).cloned()
+        Some(tree.place(link.or_else(|| Some(joint_elements[joint()?]))?))
     };
     let broken = |error: RobotError| {
         let place = place_of(&error);
@@ -154,7 +154,7 @@ fn read_urdf(path: &Path, options: &RobotOptions, notes: &mut Notes<'_>) -> Resu
     let bare = |name: &String| Link { name: name.clone(), shape: None };
     Robot::new(names.iter().map(bare).collect(), joints.clone()).map_err(broken)?;
     let packages = Packages::new(path, &options.packages);
-    let mut shapes = Shapes::new(packages, options.geometry, &options.limits);
+    let mut shapes = Shapes::new(&tree, packages, options.geometry, &options.limits);
     let mut links = Vec::with_capacity(texts.len());
     let mut only_visual = Vec::new();
     for link in &texts {
@@ -166,7 +166,7 @@ fn read_urdf(path: &Path, options: &RobotOptions, notes: &mut Notes<'_>) -> Resu
     }
     if !only_visual.is_empty() && options.geometry != RobotGeometry::Visual {
         let message = format!("links without collision geometry, which cannot collide: {}", only_visual.join(", "));
-        notes.add(None, message);
+        notes.add_about_all(message);
     }
     Ok((name, Robot::new(links, joints.clone()).map_err(broken)?))
 }

@@ -23,10 +23,12 @@ use crate::{
     load_with_axes,
     model::{Model, stored},
     unit::Unit,
+    xml_tree::Tree,
 };
 
 /// The meshes and hulls of a robot.
 pub(super) struct Shapes<'a> {
+    tree: &'a Tree<'a>,
     packages: Packages<'a>,
     geometry: RobotGeometry,
     limits: &'a Limits,
@@ -43,9 +45,9 @@ pub(super) struct Shapes<'a> {
 }
 
 impl<'a> Shapes<'a> {
-    pub(super) fn new(packages: Packages<'a>, geometry: RobotGeometry, limits: &'a Limits) -> Self {
+    pub(super) fn new(tree: &'a Tree<'a>, packages: Packages<'a>, geometry: RobotGeometry, limits: &'a Limits) -> Self {
         let (models, made) = (HashMap::new(), HashMap::new());
-        Self { packages, geometry, limits, models, made, bytes: 0, copied_corners: 0, guessed: Vec::new() }
+        Self { tree, packages, geometry, limits, models, made, bytes: 0, copied_corners: 0, guessed: Vec::new() }
     }
 
     /// Returns the shape of a link: the union of its pieces, or `None` if there are no pieces.
@@ -57,7 +59,7 @@ impl<'a> Shapes<'a> {
     ) -> Result<Option<Shape>, LoadError> {
         let mut parts = Vec::with_capacity(pieces.len());
         for piece in pieces {
-            let shape = self.of_piece(link, piece, notes).map_err(|error| error.at(piece.place.clone()))?;
+            let shape = self.of_piece(link, piece, notes).map_err(|error| error.at(self.tree.place(piece.element)))?;
             parts.push((shape, piece.link_from_piece));
         }
         match &parts[..] {
@@ -103,7 +105,11 @@ impl<'a> Shapes<'a> {
         let found = self.packages.find(uri).map_err(|lost| broken(lost.problem(link, uri)))?;
         if let Some(package) = found.guessed.filter(|package| !self.guessed.contains(package)) {
             let folder = found.path.display();
-            notes.add(piece.place.clone(), format!("guessed where the package {package:?} is: {folder} was found"));
+            notes.add(
+                self.tree,
+                piece.element,
+                format!("guessed where the package {package:?} is: {folder} was found"),
+            );
             self.guessed.push(package);
         }
         let key = (found.path, scale.map(f64::to_bits));
@@ -116,10 +122,10 @@ impl<'a> Shapes<'a> {
         })?;
         let shape = make(&model, scale, self.geometry).map_err(|error| invalid(link, error))?;
         if model.faces.is_empty() {
-            notes.add(piece.place.clone(), format!("link {link:?}: the mesh {uri:?} has no faces"));
+            notes.add(self.tree, piece.element, format!("link {link:?}: the mesh {uri:?} has no faces"));
         } else if shape.as_mesh().is_some_and(|(_, is_solid)| !is_solid) {
             let message = format!("link {link:?}: the mesh {uri:?} is open, so only its surface is checked");
-            notes.add(piece.place.clone(), message);
+            notes.add(self.tree, piece.element, message);
         }
         self.made.insert(key, shape.clone());
         Ok(shape)

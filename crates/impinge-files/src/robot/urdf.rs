@@ -8,7 +8,7 @@ use super::{
     warning::Notes,
 };
 use crate::{
-    error::{LoadError, Place},
+    error::LoadError,
     xml_tree::{Id, Tree},
 };
 
@@ -17,14 +17,14 @@ pub(super) struct Description {
     pub(super) name: String,
     pub(super) links: Vec<LinkText>,
     pub(super) joints: Vec<Joint>,
-    /// Place of each joint.
-    pub(super) joint_places: Vec<Place>,
+    /// Element of each joint.
+    pub(super) joint_elements: Vec<Id>,
 }
 
 /// A link as it is written in a file.
 pub(super) struct LinkText {
     pub(super) name: String,
-    pub(super) place: Place,
+    pub(super) element: Id,
     pub(super) visual: Vec<Piece>,
     pub(super) collision: Vec<Piece>,
 }
@@ -36,7 +36,7 @@ pub(super) fn read(tree: &Tree<'_>, notes: &mut Notes<'_>) -> Result<Description
         name: tree.attribute(root, "name").unwrap_or_default().into_owned(),
         links: Vec::new(),
         joints: Vec::new(),
-        joint_places: Vec::new(),
+        joint_elements: Vec::new(),
     };
     for id in tree.children(root) {
         if tree.has_prefix(id, "xacro") {
@@ -50,13 +50,13 @@ pub(super) fn read(tree: &Tree<'_>, notes: &mut Notes<'_>) -> Result<Description
                 let subject = format!("link {name:?}");
                 let link = Element { tree, id, subject: &subject };
                 let (visual, collision) = (pieces(link, "visual", notes)?, pieces(link, "collision", notes)?);
-                robot.links.push(LinkText { name, place: tree.place(id), visual, collision });
+                robot.links.push(LinkText { name, element: id, visual, collision });
             }
             "joint" => {
                 let name = name()?;
                 let subject = format!("joint {name:?}");
                 robot.joints.push(joint(Element { tree, id, subject: &subject }, name, notes)?);
-                robot.joint_places.push(tree.place(id));
+                robot.joint_elements.push(id);
             }
             _ => {}
         }
@@ -114,12 +114,12 @@ fn joint(element: Element<'_, '_>, name: String, notes: &mut Notes<'_>) -> Resul
                 limits = Some([bound("lower")?, bound("upper")?]);
             }
             None => {
-                let place = element.tree.place(element.id);
-                notes.add(place, format!("{}: no limits; URDF requires them", element.subject));
+                notes.add(element.tree, element.id, format!("{}: no limits; URDF requires them", element.subject));
             }
         }
     }
-    let mimic = match element.child("mimic") {
+    // Reduced models keep the rules of joints that they fixed.
+    let mimic = match element.child("mimic").filter(|_| kind != JointKind::Fixed) {
         Some(mimic) => Some(Mimic {
             joint: mimic.name("joint")?,
             multiplier: mimic.any_numbers("multiplier", Some([1.0]))?[0],

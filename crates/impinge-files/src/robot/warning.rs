@@ -5,7 +5,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::error::Place;
+use crate::{
+    error::Place,
+    xml_tree::{Id, Tree},
+};
 
 /// Content of a robot description that was skipped, guessed, or may surprise a user.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,10 +46,21 @@ impl<'p> Notes<'p> {
         Self { path, warnings: Vec::new() }
     }
 
-    pub(super) fn add(&mut self, place: impl Into<Option<Place>>, message: String) {
+    /// Adds a warning about an element.
+    pub(super) fn add(&mut self, tree: &Tree<'_>, element: Id, message: String) {
+        // Finding a line takes time linear in the size of the file.
         if self.warnings.len() < MAX_WARNINGS {
-            self.warnings.push(RobotWarning { path: self.path.to_owned(), place: place.into(), message });
+            self.push(Some(tree.place(element)), message);
         }
+    }
+
+    /// Adds a warning about the whole file.
+    pub(super) fn add_about_all(&mut self, message: String) {
+        self.push(None, message);
+    }
+
+    fn push(&mut self, place: Option<Place>, message: String) {
+        self.warnings.push(RobotWarning { path: self.path.to_owned(), place, message });
     }
 
     pub(super) fn into_vec(self) -> Vec<RobotWarning> {

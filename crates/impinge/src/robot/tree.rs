@@ -95,6 +95,7 @@ impl Tree {
                 coordinates.extend(names.map(|(index, suffix)| (format!("{}{suffix}", joint.name), at, index)));
             }
         }
+        let sources = sources(joints, &joint_of, &first)?;
         let mut tree = Self {
             root,
             steps: Vec::new(),
@@ -109,7 +110,7 @@ impl Tree {
                 check(joint)?;
                 let child = link_of[joint.child.as_str()];
                 let motion = Motion::of(joint).ok_or_else(|| RobotError::Axis { joint: joint.name.clone() })?;
-                let source = source(at, joints, &joint_of, &first)?;
+                let source = sources[at];
                 tree.parents[child] = Some(parent);
                 tree.bodies[child] = if source.count == 0 { tree.bodies[parent] } else { bodies };
                 bodies += usize::from(source.count > 0);
@@ -151,27 +152,50 @@ fn check(joint: &Joint) -> Result<(), RobotError> {
     stretch(&joint.parent_from_joint).map(drop).map_err(|error| RobotError::Origin { joint: name(), error })
 }
 
-/// Returns the coordinates that move a joint. A joint that follows others has one rule for the
+/// Returns the coordinates that move each joint. A joint that follows others has one rule for the
 /// whole chain.
-fn source(at: usize, joints: &[Joint], joint_of: &HashMap<&str, usize>, first: &[usize]) -> Result<Source, RobotError> {
-    let (mut followed, mut rule) = (at, None);
-    for _ in 0..=joints.len() {
-        let joint = &joints[followed];
-        let count = joint.kind.coordinates().len();
-        let Some(mimic) = &joint.mimic else {
-            if rule.is_some() && count != 1 {
+///
+/// # Complexity
+/// Linear, because the rule of each joint is computed from the rule of the joint that it follows.
+fn sources(joints: &[Joint], joint_of: &HashMap<&str, usize>, first: &[usize]) -> Result<Vec<Source>, RobotError> {
+    let mut sources: Vec<Option<Source>> = joints
+        .iter()
+        .enumerate()
+        .map(|(at, joint)| {
+            let count = joint.kind.coordinates().len();
+            joint.mimic.is_none().then_some(Source { first: first[at], count, rule: None })
+        })
+        .collect();
+    for start in 0..joints.len() {
+        // The joints from this one to the first whose rule is known.
+        let (mut chain, mut at) = (Vec::new(), start);
+        let mut source = loop {
+            if let Some(source) = sources[at] {
+                break source;
+            }
+            let joint = &joints[at];
+            if joint.kind.coordinates().len() != 1 {
                 return Err(RobotError::MimicKind { joint: joint.name.clone() });
             }
-            return Ok(Source { first: first[followed], count, rule });
+            if chain.len() == joints.len() {
+                return Err(RobotError::MimicCycle { joint: joints[start].name.clone() });
+            }
+            chain.push(at);
+            let followed = joint.mimic.iter().map(|mimic| mimic.joint.as_str()).next().unwrap_or_default();
+            at = *joint_of
+                .get(followed)
+                .ok_or_else(|| RobotError::UnknownMimic { joint: joint.name.clone(), followed: followed.to_owned() })?;
         };
-        if count != 1 {
-            return Err(RobotError::MimicKind { joint: joint.name.clone() });
+        if !chain.is_empty() && source.count != 1 {
+            return Err(RobotError::MimicKind { joint: joints[at].name.clone() });
         }
-        let [multiplier, offset] = rule.unwrap_or([1.0, 0.0]);
-        rule = Some([multiplier * mimic.multiplier, multiplier * mimic.offset + offset]);
-        followed = *joint_of
-            .get(mimic.joint.as_str())
-            .ok_or_else(|| RobotError::UnknownMimic { joint: joint.name.clone(), followed: mimic.joint.clone() })?;
+        for at in chain.into_iter().rev() {
+            if let Some(mimic) = &joints[at].mimic {
+                let [multiplier, offset] = source.rule.unwrap_or([1.0, 0.0]);
+                source.rule = Some([mimic.multiplier * multiplier, mimic.multiplier * offset + mimic.offset]);
+            }
+            sources[at] = Some(source);
+        }
     }
-    Err(RobotError::MimicCycle { joint: joints[at].name.clone() })
+    Ok(sources.into_iter().flatten().collect())
 }

@@ -12,6 +12,7 @@ mod hull;
 mod interop;
 mod partition;
 mod realign;
+mod robots;
 mod scene;
 mod shapes;
 mod solids;
