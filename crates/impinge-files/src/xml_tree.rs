@@ -94,10 +94,10 @@ impl<'a> Tree<'a> {
         name.rsplit_once(':').map_or(name, |(_, local)| local)
     }
 
-    /// Reports whether the name of an element has this prefix: `xacro` of `xacro:macro`.
-    pub(crate) fn has_prefix(&self, id: Id, prefix: &str) -> bool {
+    /// Returns the prefix of the name of an element: `xacro` of `xacro:macro`.
+    pub(crate) fn prefix(&self, id: Id) -> Option<&'a str> {
         let element = &self.elements[id];
-        self.text[element.start + 1..element.name_end].strip_prefix(prefix).is_some_and(|rest| rest.starts_with(':'))
+        self.text[element.start + 1..element.name_end].rsplit_once(':').map(|(prefix, _)| prefix)
     }
 
     /// Returns the value of an attribute, or `None` if it is missing.

@@ -39,9 +39,13 @@ pub(super) fn read(tree: &Tree<'_>, notes: &mut Notes<'_>) -> Result<Description
         joint_elements: Vec::new(),
     };
     for id in tree.children(root) {
-        if tree.has_prefix(id, "xacro") {
-            let error = LoadError::unsupported("the xacro preprocessor").at(tree.place(id));
-            return Err(error.with_hint("run `xacro FILE.xacro > FILE.urdf` and load the result"));
+        match tree.prefix(id) {
+            None => {}
+            Some("xacro") => {
+                let error = LoadError::unsupported("the xacro preprocessor").at(tree.place(id));
+                return Err(error.with_hint("run `xacro FILE.xacro > FILE.urdf` and load the result"));
+            }
+            Some(_) => continue,
         }
         let name = || Element { tree, id, subject: "" }.name("name");
         match tree.name(id) {

@@ -30,6 +30,18 @@ fn mutant(rng: &mut Rng, text: &str) -> Vec<u8> {
     bytes
 }
 
+/// Returns a text in which some values of attributes are replaced, so that it is well-formed.
+fn changed_values(rng: &mut Rng, text: &str) -> Vec<u8> {
+    let values = ["nan", "1e400", "", "base", "palm", "elbow", "1 2 3", "-1 -1 -1", "0 0 0", "0", "-5", "fixed", "inf"];
+    let mut pieces: Vec<&str> = text.split('"').collect();
+    for _ in 0..rng.integer(1, 2) {
+        // The pieces with odd numbers are in quotes. The first are those of the declaration.
+        let at = 2 * rng.integer(2, pieces.len() as i64 / 2 - 1) as usize + 1;
+        pieces[at] = values[rng.integer(0, values.len() as i64 - 1) as usize];
+    }
+    pieces.join("\"").into_bytes()
+}
+
 #[test]
 fn changed_files_give_robots_or_typed_errors() {
     let read = |name: &str| std::fs::read_to_string(data().join(name)).unwrap();
@@ -41,7 +53,8 @@ fn changed_files_give_robots_or_typed_errors() {
     let count = rounds(500);
     for round in 0..count {
         let (name, text) = if round % 2 == 0 { ("robot.urdf", &urdf) } else { ("robot.srdf", &srdf) };
-        std::fs::write(folder.path(name), mutant(&mut rng, text)).unwrap();
+        let changed = if round % 3 == 0 { mutant(&mut rng, text) } else { changed_values(&mut rng, text) };
+        std::fs::write(folder.path(name), changed).unwrap();
         match folder.load(&options) {
             Ok(loaded) => {
                 fine += 1;
@@ -54,7 +67,10 @@ fn changed_files_give_robots_or_typed_errors() {
         }
         std::fs::write(folder.path(name), text).unwrap();
     }
-    assert!(fine > count / 10 && kinds.len() >= 2 && kinds["syntax"] > count / 10, "{fine} {kinds:?}");
+    assert!(
+        fine > count / 10 && kinds["broken-robot"] > count / 20 && kinds["syntax"] > count / 10,
+        "{fine} {kinds:?}"
+    );
 }
 
 #[test]
