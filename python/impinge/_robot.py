@@ -34,13 +34,16 @@ class Robot:
     >>> import impinge
     >>> robot = impinge.Robot.load("data/robots/gantry.urdf", "data/robots/gantry.srdf")
     >>> robot
-    Robot('gantry', 9 links, 5 coordinates, 11 pairs)
+    Robot('gantry', 8 links, 5 coordinates, 11 pairs)
     >>> robot.joints
     ('slide', 'shoulder', 'elbow', 'wrist', 'grip')
     >>> report = robot.check([[0, 0, 0, 0, 0], [-0.25, 3, 2.6, 0, 0]])
     >>> report.collides
     array([False,  True])
     """
+
+    _core: _impinge.RobotCore
+    _made_of: tuple[Any, ...]
 
     def __init__(self) -> None:
         """Raise an error: use `load` or `from_parts`."""
@@ -110,7 +113,9 @@ class Robot:
         chosen(geometry, ("collision", "visual", "hull"), "geometry")
         limits = [(max_bytes, "max_bytes"), (max_triangles, "max_triangles")]
         checked = [None if limit is None else whole(limit, name) for limit, name in limits]
-        folders = [(_text(name, "packages"), os.path.abspath(path_of(path, "packages"))) for name, path in given.items()]
+        folders = [
+            (_text(name, "packages"), os.path.abspath(path_of(path, "packages"))) for name, path in given.items()
+        ]
         given_paths = [(urdf, "urdf")] if srdf is None else [(urdf, "urdf"), (srdf, "srdf")]
         paths = [os.path.abspath(path_of(path, name)) for path, name in given_paths] + [None] * (srdf is None)
         arguments = (*paths, folders, geometry, *checked)

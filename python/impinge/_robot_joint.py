@@ -65,7 +65,9 @@ class Joint:
             x, y, z = self.axis
             axis = [real(x, what), real(y, what), real(z, what)]
             limits = None if self.limits is None else [real(x, what) for x in self.limits]
-            mimic = None if self.mimic is None else (self.mimic[0], real(self.mimic[1], what), real(self.mimic[2], what))
+            mimic = (
+                None if self.mimic is None else (self.mimic[0], real(self.mimic[1], what), real(self.mimic[2], what))
+            )
             if limits is not None and len(limits) != 2:
                 raise ValueError
         except (TypeError, ValueError, IndexError) as error:

@@ -25,9 +25,7 @@ class RobotReport:
     collides: bool | NDArray[np.bool_]
     undecided: bool | NDArray[np.bool_]
 
-    def __init__(
-        self, answer: Any, shape: tuple[int, ...], names: tuple[str, ...], *, stopped_at_first: bool
-    ) -> None:
+    def __init__(self, answer: Any, shape: tuple[int, ...], names: tuple[str, ...], *, stopped_at_first: bool) -> None:
         self._offsets, self._found, undecided = answer
         self._shape, self._names, self._stopped_at_first = shape, names, stopped_at_first
         counts = np.diff(self._offsets)
