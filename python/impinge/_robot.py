@@ -15,6 +15,7 @@ from impinge import _impinge
 from impinge._errors import InputError, LoadWarning
 from impinge._mesh import Mesh
 from impinge._robot_joint import Joint
+from impinge._robot_names import known, pairs_of, text
 from impinge._robot_report import RobotReport
 from impinge._scalars import chosen, path_of, real, whole
 from impinge._scene import Scene
@@ -113,9 +114,7 @@ class Robot:
         chosen(geometry, ("collision", "visual", "hull"), "geometry")
         limits = [(max_bytes, "max_bytes"), (max_triangles, "max_triangles")]
         checked = [None if limit is None else whole(limit, name) for limit, name in limits]
-        folders = [
-            (_text(name, "packages"), os.path.abspath(path_of(path, "packages"))) for name, path in given.items()
-        ]
+        folders = [(text(name, "packages"), os.path.abspath(path_of(path, "packages"))) for name, path in given.items()]
         given_paths = [(urdf, "urdf")] if srdf is None else [(urdf, "urdf"), (srdf, "srdf")]
         paths = [os.path.abspath(path_of(path, name)) for path, name in given_paths] + [None] * (srdf is None)
         arguments = (*paths, folders, geometry, *checked)
@@ -172,7 +171,7 @@ class Robot:
         """
         if not isinstance(links, Mapping):
             raise InputError(f"must be a mapping, not {type(links).__name__}", kind="type", what="links")
-        rows = [(_text(name, "links"), shape) for name, shape in links.items()]
+        rows = [(text(name, "links"), shape) for name, shape in links.items()]
         for name, shape in rows:
             if shape is not None and not isinstance(shape, Mesh | Shape):
                 message = f"link {name!r} is {type(shape).__name__}; pass impinge.Shape, impinge.Mesh or None"
@@ -182,9 +181,10 @@ class Robot:
             if not isinstance(joint, Joint):
                 raise InputError(f"must be impinge.Joint, not {type(joint).__name__}", kind="type", what="joints")
         place = {name: at for at, (name, _) in enumerate(rows)}
-        pairs = _pairs(ignored, place)
-        core = _impinge.robot_of_parts(rows, [joint._row() for joint in joints], pairs)
-        return cls._of((cls.from_parts, (dict(links), joints, [tuple(pair) for pair in ignored])), core)
+        pairs = pairs_of(ignored)
+        places = [(known(a, place, "link", "ignored"), known(b, place, "link", "ignored")) for a, b in pairs]
+        core = _impinge.robot_of_parts(rows, [joint._row() for joint in joints], places)
+        return cls._of((cls.from_parts, (dict(links), joints, pairs)), core)
 
     @property
     def name(self) -> str:
@@ -257,7 +257,7 @@ class Robot:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What was skipped or guessed when the files were read, or may surprise."""
+        """Notes on content of the files that was skipped or guessed, or may surprise."""
         return tuple(self._core.warnings())
 
     def at(self, q: ArrayLike) -> dict[str, NDArray[np.float64]]:
@@ -345,13 +345,14 @@ class Robot:
         if not isinstance(places, Mapping):
             raise InputError(f"must be a mapping, not {type(places).__name__}", kind="type", what="poses")
         for name in places:
-            _known(name, parts, "part", "poses")
+            known(name, parts, "part", "poses")
         solid = scene is not None and scene._solid
         obstacles = [(name, part, solid, places.get(name)) for name, part in parts.items()]
         clearances = self._paddings(padding), real(self_padding, "self_padding", minimum=0)
         numbers = {name: at for at, name in enumerate(parts)}
         links = {name: at for at, name in enumerate(self.links)}
-        skipped = [(_known(a, links, "link", "ignored"), _known(b, numbers, "part", "ignored")) for a, b in ignored]
+        pairs = pairs_of(ignored)
+        skipped = [(known(a, links, "link", "ignored"), known(b, numbers, "part", "ignored")) for a, b in pairs]
         answer = _impinge.robot_check(
             self._core, rows, stop == "first", (clearances[1], clearances[0]), obstacles, skipped, progress
         )
@@ -387,7 +388,7 @@ class Robot:
         links = {name: at for at, name in enumerate(self.links)}
         for name, distance in padding.items():
             if name != "*":
-                paddings[_known(name, links, "link", "padding")] = real(distance, "padding", minimum=0)
+                paddings[known(name, links, "link", "padding")] = real(distance, "padding", minimum=0)
         return paddings
 
     def __copy__(self) -> Robot:
@@ -406,25 +407,3 @@ class Robot:
         """Return the name and the numbers of links, coordinates and pairs."""
         counts = f"{len(self.links)} links, {self.dof} coordinates, {len(self._core.pairs())} pairs"
         return f"Robot({self.name!r}, {counts})"
-
-
-def _text(value: object, what: str) -> str:
-    if not isinstance(value, str):
-        raise InputError(f"names must be str, not {type(value).__name__}", kind="type", what=what)
-    return value
-
-
-def _known(name: Any, known: Mapping[str, Any], noun: str, what: str) -> Any:
-    """Return the entry of a name."""
-    if not isinstance(name, str) or name not in known:
-        message = f"there is no {noun} {name!r}; there are {', '.join(map(repr, known)) or 'none'}"
-        raise InputError(message, kind="name", what=what)
-    return known[name]
-
-
-def _pairs(ignored: Iterable[tuple[str, str]], place: Mapping[str, int]) -> list[tuple[int, int]]:
-    try:
-        pairs = [(a, b) for a, b in ignored]
-    except (TypeError, ValueError):
-        raise InputError("must be pairs of names", kind="type", what="ignored") from None
-    return [(_known(a, place, "link", "ignored"), _known(b, place, "link", "ignored")) for a, b in pairs]

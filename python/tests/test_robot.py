@@ -135,6 +135,8 @@ def test_invalid_arguments_are_named():
     fails("scene: must be impinge.Scene", GANTRY.check, zero, 3)
     fails("poses: there is no part 'x'", GANTRY.check, zero, poses={"x": None})
     fails("ignored: there is no part 'x'", GANTRY.check, zero, ignored=[("base", "x")])
+    fails("ignored: must be pairs of names", GANTRY.check, zero, ignored=[3])
+    fails("padding: a clearance is", GANTRY.check, zero, padding=np.inf)
     fails("geometry", Robot.load, URDF, geometry="none")
     fails("Robot", Robot)
     bar = Shape.sphere(1)
@@ -163,7 +165,7 @@ def test_errors_and_warnings_of_files(tmp_path):
 
 
 def real(name, tmp_path):
-    """Returns a real robot, with joints that follow others as joints of their own, and its known verdicts."""
+    """Returns a real robot without joints that follow others, and its known verdicts."""
     if not REAL:
         pytest.skip("IMPINGE_DATA names no folder of real files")
     robots = Path(REAL) / "robots"

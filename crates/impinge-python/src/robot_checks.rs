@@ -72,7 +72,7 @@ pub(crate) fn robot_check<'py>(
     };
     let (found, _) = workers::execute(py, Call { rows, is_brief: false, progress }, work)?;
     let Answers { values, .. }: Answers<Vec<Collision>> =
-        found.map_err(|error| Fault::new("input", "q", error.to_string()).raised(py))?;
+        found.map_err(|error| Fault::new("out-of-range", "padding", error.to_string()).raised(py))?;
     let other = |other: Other| match other {
         Other::Link(link) => link,
         Other::Obstacle(part) => links + part.index(),

@@ -34,12 +34,14 @@ pub struct LoadedState {
     pub values: Vec<(String, Vec<f64>)>,
 }
 
+/// A pair of links with the reason why it is not checked, or `None` if it is.
+type Choice = ([usize; 2], Option<String>);
+
 /// Contents of an SRDF file.
 pub(super) struct Semantics {
     pub(super) groups: Vec<RobotGroup>,
     pub(super) states: Vec<LoadedState>,
-    /// Pairs of links with the reason why they are not checked, or `None` if they are.
-    pub(super) choices: Vec<([usize; 2], Option<String>)>,
+    pub(super) choices: Vec<Choice>,
 }
 
 struct Reader<'r, 't, 'a, 'p> {
@@ -215,7 +217,7 @@ impl Reader<'_, '_, '_, '_> {
 
     /// Returns the pairs of links that are not checked by default, then those that are disabled,
     /// then those that are enabled.
-    fn choices(&mut self, root: Id) -> Result<Vec<([usize; 2], Option<String>)>, LoadError> {
+    fn choices(&mut self, root: Id) -> Result<Vec<Choice>, LoadError> {
         let mut choices = Vec::new();
         let solid: Vec<usize> =
             (0..self.robot.links().len()).filter(|&link| self.robot.links()[link].shape.is_some()).collect();

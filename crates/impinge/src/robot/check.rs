@@ -40,7 +40,7 @@ impl Default for CheckOptions<'_> {
     }
 }
 
-/// What a link collides with.
+/// The link or obstacle that a link collides with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Other {
     /// Another link, by its index, which is larger.
@@ -54,7 +54,7 @@ pub enum Other {
 pub struct Collision {
     /// Index of the link.
     pub link: usize,
-    /// What it collides with.
+    /// The link or obstacle that it collides with.
     pub other: Other,
     /// `true` if nothing was proved about the pair, so that it counts as colliding to be safe.
     pub is_undecided: bool,

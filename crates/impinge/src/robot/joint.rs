@@ -11,7 +11,7 @@ pub enum JointKind {
     Fixed,
     /// The child turns about the axis, right-handed. One coordinate in radians.
     Revolute,
-    /// As [`Revolute`](Self::Revolute), without limits. One coordinate in radians.
+    /// The child turns about the axis without limits. One coordinate in radians.
     Continuous,
     /// The child slides along the axis. One coordinate, in units of length.
     Prismatic,
