@@ -15,9 +15,9 @@ from impinge import _impinge
 from impinge._errors import InputError, LoadWarning
 from impinge._mesh import Mesh
 from impinge._robot_joint import Joint
-from impinge._robot_names import known, pairs_of, text
+from impinge._robot_names import clearance, known, pairs_of, text
 from impinge._robot_report import RobotReport
-from impinge._scalars import chosen, path_of, real, whole
+from impinge._scalars import chosen, path_of, whole
 from impinge._scene import Scene
 from impinge._shape import AnyShape, Shape
 
@@ -348,14 +348,12 @@ class Robot:
             known(name, parts, "part", "poses")
         solid = scene is not None and scene._solid
         obstacles = [(name, part, solid, places.get(name)) for name, part in parts.items()]
-        clearances = self._paddings(padding), real(self_padding, "self_padding", minimum=0)
+        clearances = clearance(self_padding, "self_padding"), self._paddings(padding)
         numbers = {name: at for at, name in enumerate(parts)}
         links = {name: at for at, name in enumerate(self.links)}
         pairs = pairs_of(ignored)
         skipped = [(known(a, links, "link", "ignored"), known(b, numbers, "part", "ignored")) for a, b in pairs]
-        answer = _impinge.robot_check(
-            self._core, rows, stop == "first", (clearances[1], clearances[0]), obstacles, skipped, progress
-        )
+        answer = _impinge.robot_check(self._core, rows, stop == "first", clearances, obstacles, skipped, progress)
         return RobotReport(answer, lead, (*self.links, *parts), stopped_at_first=stop == "first")
 
     def _rows(self, q: ArrayLike) -> tuple[NDArray[np.float64], tuple[int, ...]]:
@@ -382,13 +380,13 @@ class Robot:
     def _paddings(self, padding: float | Mapping[str, float]) -> list[float]:
         """Return the padding of each link."""
         if not isinstance(padding, Mapping):
-            return [real(padding, "padding", minimum=0)] * len(self.links)
-        others = real(padding.get("*", 0.0), "padding", minimum=0)
+            return [clearance(padding, "padding")] * len(self.links)
+        others = clearance(padding.get("*", 0.0), "padding")
         paddings = [others] * len(self.links)
         links = {name: at for at, name in enumerate(self.links)}
         for name, distance in padding.items():
             if name != "*":
-                paddings[known(name, links, "link", "padding")] = real(distance, "padding", minimum=0)
+                paddings[known(name, links, "link", "padding")] = clearance(distance, "padding")
         return paddings
 
     def __copy__(self) -> Robot:

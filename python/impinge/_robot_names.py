@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 from impinge._errors import InputError
+from impinge._scalars import real
 
 
 def text(value: object, what: str) -> str:
@@ -21,6 +23,14 @@ def known(name: Any, names: Mapping[str, Any], noun: str, what: str) -> Any:
         message = f"there is no {noun} {name!r}; there are {', '.join(map(repr, names)) or 'none'}"
         raise InputError(message, kind="name", what=what)
     return names[name]
+
+
+def clearance(value: object, what: str) -> float:
+    """Return a distance in meters, which must be finite and at least zero."""
+    distance = real(value, what, minimum=0)
+    if math.isinf(distance):
+        raise InputError("must be finite", kind="non-finite", what=what)
+    return distance
 
 
 def pairs_of(ignored: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:

@@ -136,7 +136,7 @@ def test_invalid_arguments_are_named():
     fails("poses: there is no part 'x'", GANTRY.check, zero, poses={"x": None})
     fails("ignored: there is no part 'x'", GANTRY.check, zero, ignored=[("base", "x")])
     fails("ignored: must be pairs of names", GANTRY.check, zero, ignored=[3])
-    fails("padding: a clearance is", GANTRY.check, zero, padding=np.inf)
+    fails("padding: must be finite", GANTRY.check, zero, padding=np.inf)
     fails("geometry", Robot.load, URDF, geometry="none")
     fails("Robot", Robot)
     bar = Shape.sphere(1)

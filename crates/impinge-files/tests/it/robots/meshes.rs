@@ -137,7 +137,7 @@ fn open_meshes_are_surfaces_and_hulls_are_convex() {
     let inside = impinge::Shape::point([0.2; 3]).unwrap().at(Pose::IDENTITY).unwrap();
     let meets = |loaded: &LoadedRobot| {
         let shape = loaded.robot.links()[0].shape.clone().unwrap();
-        query::intersects(&shape.at(Pose::IDENTITY).unwrap(), &inside)
+        query::intersects(shape.at(Pose::IDENTITY).unwrap(), &inside)
     };
     assert_eq!((meets(&loaded), meets(&hull)), (false, true));
 }
