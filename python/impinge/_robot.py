@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from impinge import _impinge
 from impinge._errors import InputError, LoadWarning
 from impinge._mesh import Mesh
+from impinge._robot_arguments import check_limits, clearance, known, pairs_of, text
 from impinge._robot_joint import Joint
-from impinge._robot_names import clearance, known, pairs_of, text
 from impinge._robot_report import RobotReport
 from impinge._scalars import chosen, path_of, whole
 from impinge._scene import Scene
@@ -337,7 +337,7 @@ class Robot:
         chosen(stop, ("first", "all"), "stop")
         chosen(on_limits, ("ignore", "raise"), "on_limits")
         if on_limits == "raise":
-            self._check_limits(rows, lead)
+            check_limits(rows, lead, self.joints, (self.lower, self.upper))
         if scene is not None and not isinstance(scene, Scene):
             raise InputError(f"must be impinge.Scene, not {type(scene).__name__}", kind="type", what="scene")
         parts = {} if scene is None else scene.parts
@@ -367,15 +367,6 @@ class Robot:
             raise InputError(message, kind="shape", what="q")
         lead = values.shape[:-1]
         return np.ascontiguousarray(values.reshape(-1, self.dof) if self.dof else values.reshape(-1)), lead
-
-    def _check_limits(self, rows: NDArray[np.float64], lead: tuple[int, ...]) -> None:
-        beyond = (rows < self.lower) | (rows > self.upper)
-        if beyond.any():
-            row, column = (int(at) for at in np.argwhere(beyond)[0])
-            message = f"{rows[row, column]:g} is beyond the limits of {self.joints[column]}, "
-            message += f"{self.lower[column]:g} to {self.upper[column]:g}"
-            place = tuple(int(at) for at in np.unravel_index(row, lead)) if lead else ()
-            raise InputError(message, kind="out-of-range", what="q", where=(*place, column))
 
     def _paddings(self, padding: float | Mapping[str, float]) -> list[float]:
         """Return the padding of each link."""

@@ -1,10 +1,13 @@
-"""Names of links and parts in the arguments of robots."""
+"""Validates arguments of robots: names, clearances and limits."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from impinge._errors import InputError
 from impinge._scalars import real
@@ -39,3 +42,20 @@ def pairs_of(ignored: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
         return [(a, b) for a, b in ignored]
     except (TypeError, ValueError):
         raise InputError("must be pairs of names", kind="type", what="ignored") from None
+
+
+def check_limits(
+    rows: NDArray[np.float64],
+    lead: tuple[int, ...],
+    joints: tuple[str, ...],
+    limits: tuple[NDArray[np.float64], NDArray[np.float64]],
+) -> None:
+    """Raise an error if a value is beyond the limits of its joint."""
+    lower, upper = limits
+    beyond = (rows < lower) | (rows > upper)
+    if beyond.any():
+        row, column = (int(at) for at in np.argwhere(beyond)[0])
+        message = f"{rows[row, column]:g} is beyond the limits of {joints[column]}, "
+        message += f"{lower[column]:g} to {upper[column]:g}"
+        place = tuple(int(at) for at in np.unravel_index(row, lead)) if lead else ()
+        raise InputError(message, kind="out-of-range", what="q", where=(*place, column))
