@@ -39,6 +39,9 @@ from impinge._part_bodies import PartBodies
 from impinge._penetration import Penetration, penetration
 from impinge._points import ClosestPoint, RayHit, RayHits
 from impinge._pose import pose
+from impinge._robot import Robot
+from impinge._robot_joint import Joint
+from impinge._robot_report import RobotReport
 from impinge._scene import Scene, SceneReport
 from impinge._shape import Shape
 from impinge._show import show
@@ -79,6 +82,7 @@ __all__ = [
     "Hull",
     "Impact",
     "InputError",
+    "Joint",
     "Leaks",
     "LimitedPairs",
     "LoadWarning",
@@ -95,6 +99,8 @@ __all__ = [
     "RayHit",
     "RayHits",
     "Repair",
+    "Robot",
+    "RobotReport",
     "Scene",
     "SceneReport",
     "Shape",

@@ -23,6 +23,7 @@ __all__ = [
     "PackedCore",
     "PartitionCore",
     "PosedCore",
+    "RobotCore",
     "SceneFile",
     "ShapeBase",
     "SolidBspCore",
@@ -71,6 +72,8 @@ __all__ = [
     "ray_cast",
     "ray_cast_all",
     "repaired",
+    "robot_check",
+    "robot_of_parts",
     "run_command",
     "scene_candidates",
     "self_intersecting_pairs",
@@ -344,6 +347,28 @@ class CharacterCore:
     def pose(self, animation: int | None, time: float, origin: list[float]) -> PosedCore: ...
 
 @final
+class RobotCore:
+    def __new__(
+        cls,
+        path: str,
+        srdf: str | None,
+        packages: list[tuple[str, str]],
+        geometry: str,
+        max_bytes: int | None,
+        max_triangles: int | None,
+    ) -> Self: ...
+    @property
+    def name(self) -> str: ...
+    def links(self) -> list[tuple[str, bool]]: ...
+    def coordinates(self) -> list[tuple[str, float, float]]: ...
+    def groups(self) -> list[tuple[str, list[str]]]: ...
+    def states(self) -> list[tuple[str, str, list[tuple[str, list[float]]]]]: ...
+    def pairs(self) -> list[list[int]]: ...
+    def ignored(self) -> list[tuple[list[int], str]]: ...
+    def warnings(self) -> list[str]: ...
+    def poses(self, q: NDArray[np.float64]) -> NDArray[np.float64]: ...
+
+@final
 class PosedCore:
     def frames(self) -> NDArray[np.float64]: ...
     def bounds(self) -> list[list[float]]: ...
@@ -394,6 +419,18 @@ def manager_each_by_gap(manager: ManagerBase, other: _Others, visit: Callable[[i
 def manager_each_near(manager: ManagerBase, other: _Others, visit: Callable[[int, int], bool]) -> None: ...
 def manager_nearest(manager: ManagerBase, other: _Others, skipped: int | None) -> tuple[Any, ...] | None: ...
 def manager_pairs(manager: ManagerBase, other: _Others) -> _KeyPairs: ...
+def robot_of_parts(
+    links: list[tuple[str, Any]], joints: list[tuple[Any, ...]], ignored: list[tuple[int, int]]
+) -> RobotCore: ...
+def robot_check(
+    robot: RobotCore,
+    q: NDArray[np.float64],
+    first: bool,
+    paddings: tuple[float, list[float]],
+    parts: list[tuple[str, Any, bool, Any]],
+    ignored: list[tuple[int, int]],
+    progress: bool,
+) -> tuple[NDArray[np.int64], NDArray[np.uint32], NDArray[np.bool_]]: ...
 def check_scene(
     parts: list[tuple[str, Any, bool, Any]],
     ignored: list[tuple[int, int]],

@@ -58,7 +58,9 @@ def examples():
     boxes = [wide, about, wide.packed(8), about.packed(16), impinge.fit.AabbBatch(low, high)]
     with pytest.raises(impinge.InputError) as caught:
         impinge.Mesh([[0, 0, 0]], [[0, 1, 2]])
+    gantry = impinge.Robot.load(ROBOT.parent / "robots" / "gantry.urdf")
     made = [
+        gantry, gantry.check(np.zeros((2, 5))), impinge.Joint("a", "b", "c"),
         mesh, world, balls, step, step.work, world.save(), world.ray_cast(ray, [0, 0, 1]), robot, posed,
         world.nearest(box), world.shape_cast(box, impinge.Motion(None, None)),
         world.shape_cast_all(box, impinge.Motion(pose([[0, 0, 9]]), None)),

@@ -11,6 +11,7 @@ VIEWS = [
     (impinge.WorldState, lambda kept: kept.data()[4:6]),
     (impinge.Motion, lambda motion: (motion.at(0.0), motion.at(0.3), motion.at(1.0))),
     (impinge.CharacterPose, lambda posed: (posed.frames, posed.vertices)),
+    (impinge.Robot, lambda robot: (robot.name, robot.links, robot.joints, robot.pairs, robot.at(np.zeros(robot.dof)))),
     (impinge.Character, lambda character: (character.parts, character.animations, character.faces)),
     (impinge.partition.Partition, lambda held: (held.keys, held.boxes(), held.cells, held.pairs())),
     (impinge.SolidBsp, lambda tree: (tree.cells, tree.depth, tree.contains([[0.1, 0.2, 0.3], [9, 9, 9]]))),

@@ -7,7 +7,7 @@ use std::{
 
 use impinge::character::RigErrorKind;
 
-use crate::{format::Format, plain::Plain};
+use crate::{format::Format, plain::Plain, robot::RobotProblem};
 
 /// The error that a file could not be loaded: which file, where in it, what is wrong and what to
 /// do.
@@ -111,6 +111,11 @@ pub enum LoadErrorKind {
         /// The problem with its bones, weights or keys.
         kind: RigErrorKind,
     },
+    /// A robot description is invalid: a link, a joint or a mesh.
+    BrokenRobot {
+        /// The problem, with the name of the link or joint.
+        problem: RobotProblem,
+    },
     /// A file refers to another file outside its own folder.
     OutsideFolder {
         /// The reference, as it is written in the file.
@@ -203,7 +208,8 @@ impl LoadError {
 impl LoadErrorKind {
     /// Returns a short stable name: `io`, `not-a-file`, `unsupported-format`,
     /// `unsupported-feature`, `empty`, `wrong-content`, `truncated`, `syntax`, `non-finite`,
-    /// `index-out-of-bounds`, `too-many`, `corrupt`, `broken-rig` or `outside-folder`.
+    /// `index-out-of-bounds`, `too-many`, `corrupt`, `broken-rig`, `broken-robot` or
+    /// `outside-folder`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -220,6 +226,7 @@ impl LoadErrorKind {
             Self::TooMany { .. } => "too-many",
             Self::Corrupt { .. } => "corrupt",
             Self::BrokenRig { .. } => "broken-rig",
+            Self::BrokenRobot { .. } => "broken-robot",
             Self::OutsideFolder { .. } => "outside-folder",
         }
     }
@@ -261,6 +268,7 @@ impl fmt::Display for LoadErrorKind {
             }
             Self::Corrupt { what } => f.write_str(what),
             Self::BrokenRig { kind } => write!(f, "{kind}"),
+            Self::BrokenRobot { problem } => write!(f, "{problem}"),
             Self::OutsideFolder { uri } => write!(f, "{uri:?} is not a file inside this file's folder"),
         }
     }

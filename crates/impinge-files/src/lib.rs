@@ -1,6 +1,6 @@
-//! Reads triangle meshes, scenes and rigged characters from files, for [`impinge`]. Supported
-//! formats are OBJ, STL, PLY, OFF, glTF, 3MF and COLLADA, optionally compressed by gzip.
-//! [Baked] meshes come with their hierarchy.
+//! Reads triangle meshes, scenes, rigged characters and robots from files, for [`impinge`].
+//! Supported formats are OBJ, STL, PLY, OFF, glTF, 3MF and COLLADA, optionally compressed by gzip,
+//! and URDF with SRDF for robots. [Baked] meshes come with their hierarchy.
 //!
 //! ```no_run
 //! let model = impinge_files::load("bunny.obj")?;
@@ -75,6 +75,7 @@ mod properties;
 mod reading;
 mod regular_file;
 mod replace;
+mod robot;
 mod scene;
 mod scene_draft;
 mod scene_frame;
@@ -85,6 +86,7 @@ mod three_mf;
 mod unit;
 mod weld;
 mod xml;
+mod xml_tree;
 
 use std::path::Path;
 
@@ -104,10 +106,14 @@ pub use plain::escaped;
 pub use ply::write_ply;
 pub use regular_file::read_regular_file;
 pub use replace::replace_file;
+pub use robot::{
+    LoadedRobot, LoadedState, RobotGeometry, RobotGroup, RobotOptions, RobotProblem, RobotWarning, load_robot,
+};
 pub use scene::{SceneOptions, load_scene, parse_scene};
 pub use scene_model::{SceneMesh, SceneModel, ScenePart};
 pub use unit::{Conversion, Unit, UnknownUnit};
 
+use collada::Axes;
 use impinge::character::Rig;
 use limits::OF_FILE;
 use model::Warnings;
@@ -136,10 +142,13 @@ pub fn load(path: impl AsRef<Path>) -> Result<Model, LoadError> {
 /// # Errors
 /// Returns an error as [`load`] does, with these limits.
 pub fn load_with(path: impl AsRef<Path>, limits: &Limits) -> Result<Model, LoadError> {
-    let path = path.as_ref();
+    load_with_axes(path.as_ref(), Axes::ZUp, limits)
+}
+
+fn load_with_axes(path: &Path, axes: Axes, limits: &Limits) -> Result<Model, LoadError> {
     let load = || {
         let (bytes, named) = reading::read_file(path, limits)?;
-        reading::read(&bytes, &named, path.parent(), limits)
+        reading::read(&bytes, &named, (path.parent(), axes), limits)
     };
     load().map_err(|e| e.in_file(path))
 }
@@ -215,7 +224,7 @@ pub fn parse(bytes: &[u8], format: Format) -> Result<Model, LoadError> {
 /// # Errors
 /// Returns an error as [`load_with`] does; the path of the error is empty.
 pub fn parse_with(bytes: &[u8], format: Format, limits: &Limits) -> Result<Model, LoadError> {
-    reading::read(bytes, &Named::bytes(Some(format)), None, limits)
+    reading::read(bytes, &Named::bytes(Some(format)), (None, Axes::ZUp), limits)
 }
 
 /// Reads the triangles from the bytes of a file, whose format must be evident from the bytes. Other
@@ -224,5 +233,5 @@ pub fn parse_with(bytes: &[u8], format: Format, limits: &Limits) -> Result<Model
 /// # Errors
 /// Returns an error as [`load`] does; the path of the error is empty.
 pub fn parse_by_content(bytes: &[u8]) -> Result<Model, LoadError> {
-    reading::read(bytes, &Named::bytes(None), None, &Limits::default())
+    reading::read(bytes, &Named::bytes(None), (None, Axes::ZUp), &Limits::default())
 }

@@ -3,7 +3,8 @@
 use std::{borrow::Cow, path::Path};
 
 use crate::{
-    baked, collada,
+    baked,
+    collada::{self, Axes},
     error::{LoadError, LoadErrorKind},
     format::Format,
     gltf,
@@ -82,8 +83,12 @@ impl<'a> Content<'a> {
     }
 
     /// Reads the triangles. Other files that the bytes refer to are read from `folder`, or not at
-    /// all if it is `None`.
-    pub(crate) fn triangles(&self, folder: Option<&Path>, limits: &Limits) -> Result<Model, LoadError> {
+    /// all if it is `None`. The axes are those of a COLLADA model.
+    pub(crate) fn triangles(
+        &self,
+        (folder, axes): (Option<&Path>, Axes),
+        limits: &Limits,
+    ) -> Result<Model, LoadError> {
         let bytes = &*self.bytes;
         match self.format {
             Format::Obj => obj::read(bytes, limits),
@@ -92,7 +97,7 @@ impl<'a> Content<'a> {
             Format::Off => off::read(bytes, limits),
             Format::Gltf | Format::Glb => gltf::read(bytes, self.format, folder, limits),
             Format::ThreeMf => three_mf::read(bytes, self.file_size, limits),
-            Format::Collada => collada::read(bytes, limits),
+            Format::Collada => collada::read(bytes, axes, limits),
             Format::Baked => baked::read(bytes, limits),
         }
     }
@@ -107,10 +112,15 @@ pub(crate) fn read_file(path: &Path, limits: &Limits) -> Result<(Vec<u8>, Named)
 }
 
 /// Reads the triangles from bytes. Other files that the bytes refer to are read from `folder`, or
-/// not at all if it is `None`.
-pub(crate) fn read(bytes: &[u8], named: &Named, folder: Option<&Path>, limits: &Limits) -> Result<Model, LoadError> {
+/// not at all if it is `None`. The axes are those of a COLLADA model.
+pub(crate) fn read(
+    bytes: &[u8],
+    named: &Named,
+    source: (Option<&Path>, Axes),
+    limits: &Limits,
+) -> Result<Model, LoadError> {
     let content = Content::of(bytes, named, limits)?;
-    let mut model = content.triangles(folder, limits)?;
+    let mut model = content.triangles(source, limits)?;
     model.warnings = content.warnings(model.warnings);
     Ok(model)
 }

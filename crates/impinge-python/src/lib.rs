@@ -33,6 +33,8 @@ mod points;
 mod poses;
 mod question;
 mod rays;
+mod robot;
+mod robot_checks;
 mod scene;
 mod scene_file;
 mod scene_shares;
@@ -102,6 +104,10 @@ mod _impinge {
     use super::points::{closest_point, contains, signed_distance, winding_number};
     #[pymodule_export]
     use super::rays::{face_normals, ray_cast, ray_cast_all};
+    #[pymodule_export]
+    use super::robot::RobotCore;
+    #[pymodule_export]
+    use super::robot_checks::{robot_check, robot_of_parts};
     #[pymodule_export]
     use super::scene::check_scene;
     #[pymodule_export]

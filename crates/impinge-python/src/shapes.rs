@@ -14,6 +14,7 @@ use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::{MeshBase, mesh_of};
 use crate::points::Points;
 use crate::poses;
+use crate::robot::RobotCore;
 use crate::workers;
 
 /// Exponent of the magnitude below which coordinates and lengths must be, 2^128.
@@ -103,6 +104,13 @@ impl ShapeBase {
                     })
                 })?;
                 made.map(|field| Shape::height_field(&field))
+            }
+            ("link", &[link]) => {
+                let core = source.getattr("_core")?;
+                let found = core.cast::<RobotCore>()?.get().shape(link as usize).cloned();
+                let faces = found.as_ref().and_then(Shape::as_mesh).map(|(mesh, _)| mesh.faces().len() as u64);
+                weight = faces.unwrap_or(FIELD_WEIGHT);
+                found.ok_or_else(|| InputError::new(InputErrorKind::Empty { what: "link" }))
             }
             ("compound", []) => {
                 let parts = parts_of(source)?;

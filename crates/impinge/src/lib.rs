@@ -78,6 +78,7 @@
 //! | [`shape`] | [`Shape`]: spheres, capsules, boxes, hulls, half-spaces, meshes and compounds |
 //! | [`sweep`] | the time when moving or deforming things first touch |
 //! | [`scene`] | named parts, checked against each other in one configuration or in many |
+//! | [`robot`] | kinematic trees of links: which configurations collide |
 //! | [`world`] | moving bodies: which pairs begin or cease to touch at each step, with contacts |
 //! | [`character`] | rigged bodies with hit volumes |
 //! | [`clash`] | parts of scenes that run into each other: kinds, depth, rules, reports |
@@ -118,6 +119,7 @@ pub mod mesh;
 pub mod partition;
 pub mod primitive;
 pub mod query;
+pub mod robot;
 pub mod scene;
 pub mod shape;
 #[doc(hidden)]

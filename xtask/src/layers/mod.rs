@@ -46,6 +46,7 @@ const MODULES: [&str; 21] = [
     "query",
     "sweep",
     "scene",
+    "robot",
     "world",
     "character",
     "clash",

@@ -9,7 +9,7 @@ use crate::{
     model::{Faces, WarningKind},
 };
 
-use super::tree::{INTEGERS, Id, Tree};
+use crate::xml_tree::{INTEGERS, Id, Tree};
 
 /// The vertices and triangles of a geometry in its own frame. All triangles belong to part 0.
 pub(super) struct Geometry {

@@ -15,7 +15,6 @@ mod scene;
 #[cfg(test)]
 mod tests;
 mod transform;
-mod tree;
 
 use memchr::memmem;
 
@@ -28,9 +27,9 @@ use crate::{
     text::{number, trim_start, without_bom},
     unit::Unit,
     xml::{self, Encoding},
+    xml_tree::{Id, Tree},
 };
 use scene::Scene;
-use tree::{Id, Tree};
 
 /// Reports whether the bytes begin as a COLLADA document, in UTF-8 or UTF-16.
 pub(crate) fn opens(bytes: &[u8]) -> bool {
@@ -48,7 +47,16 @@ pub(crate) fn opens(bytes: &[u8]) -> bool {
     [&b"<COLLADA"[..], b":COLLADA"].iter().any(|name| memmem::find(&narrow, name).is_some())
 }
 
-pub(crate) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, LoadError> {
+/// Axes of a loaded model.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Axes {
+    /// The up axis that the document names is rotated to Z.
+    ZUp,
+    /// The axes of the document, whatever its up axis is. Robot descriptions use meshes this way.
+    AsWritten,
+}
+
+pub(crate) fn read(bytes: &[u8], axes: Axes, limits: &Limits) -> Result<Model, LoadError> {
     let text = xml::decode(bytes.to_vec(), Encoding::UnicodeOrLatin1)?;
     let tree = Tree::parse(&text)?;
     let root = tree.root().filter(|&root| tree.name(root) == "COLLADA").ok_or_else(|| {
@@ -61,16 +69,16 @@ pub(crate) fn read(bytes: &[u8], limits: &Limits) -> Result<Model, LoadError> {
         let error = LoadError::unsupported(format!("COLLADA version {version:?}")).at(tree.place(root));
         return Err(error.with_hint("supported versions are 1.4 and 1.5"));
     }
-    let (unit, frame) = frame(&tree, root)?;
+    let (unit, frame) = frame(&tree, root, axes)?;
     let mut scene = Scene::new(&tree, bytes.len() as u64, limits);
     scene.add_all(root, &frame)?;
     let Scene { positions, parts, faces, .. } = scene;
     faces.into_model(stored(positions), parts, Some(unit), Format::Collada)
 }
 
-/// Returns the unit of the model, and the map from the document's frame to the model's frame: Z up,
-/// in that unit.
-fn frame(tree: &Tree<'_>, root: Id) -> Result<(Unit, Affine), LoadError> {
+/// Returns the unit of the model, and the map from the document's frame to the model's frame: with
+/// these axes, in that unit.
+fn frame(tree: &Tree<'_>, root: Id, axes: Axes) -> Result<(Unit, Affine), LoadError> {
     let asset = tree.child(root, "asset");
     let of_asset = |name: &str| asset.and_then(|asset| tree.child(asset, name));
     let (unit, scale) = match of_asset("unit") {
@@ -78,6 +86,9 @@ fn frame(tree: &Tree<'_>, root: Id) -> Result<(Unit, Affine), LoadError> {
         None => (Unit::Meter, 1.0),
     };
     let k = scale;
+    if axes == Axes::AsWritten {
+        return Ok((unit, Affine { rows: [[k, 0.0, 0.0, 0.0], [0.0, k, 0.0, 0.0], [0.0, 0.0, k, 0.0]] }));
+    }
     let rows = match of_asset("up_axis") {
         Some(element) => match tree.text(element).trim() {
             "X_UP" => [[0.0, -k, 0.0, 0.0], [0.0, 0.0, -k, 0.0], [k, 0.0, 0.0, 0.0]],

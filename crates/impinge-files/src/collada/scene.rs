@@ -7,12 +7,12 @@ use crate::{
     instance::Affine,
     limits::{Budget, Limits},
     model::{Faces, WarningKind},
+    xml_tree::{Id, Tree},
 };
 
 use super::{
     geometry::{Arrays, Geometry},
     transform,
-    tree::{Id, Tree},
 };
 
 /// Maximum depth of nodes within nodes, and of controllers within controllers. It bounds the stack

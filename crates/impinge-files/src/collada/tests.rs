@@ -7,7 +7,7 @@ use crate::model::WarningKind;
 use super::*;
 
 fn read(bytes: &[u8]) -> Result<Model, LoadError> {
-    super::read(bytes, &Limits::default())
+    super::read(bytes, Axes::ZUp, &Limits::default())
 }
 
 /// Returns a document with Z up, in meters, with these libraries and scenes.

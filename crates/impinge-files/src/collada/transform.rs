@@ -3,7 +3,7 @@
 
 use crate::{error::LoadError, instance::Affine};
 
-use super::tree::{Id, Tree};
+use crate::xml_tree::{Id, Tree};
 
 type Vector = [f64; 3];
 

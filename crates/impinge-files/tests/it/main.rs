@@ -13,4 +13,5 @@ mod limits;
 mod load;
 mod real_files;
 mod rigs;
+mod robots;
 mod winding_numbers;

@@ -6,6 +6,7 @@ pub(crate) mod dyadic;
 mod pose;
 pub(crate) mod relative;
 mod sign;
+pub(crate) mod sine;
 pub(crate) mod vec3;
 
 pub use pose::Pose;

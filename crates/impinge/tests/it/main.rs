@@ -13,6 +13,7 @@ mod hull;
 mod interop;
 mod partition;
 mod realign;
+mod robots;
 mod scene;
 mod shapes;
 mod solids;

@@ -1,4 +1,4 @@
-//! The elements of a COLLADA document: a flat list of their places in the text, in the order of the
+//! The elements of an XML document: a flat list of their places in the text, in the order of the
 //! text.
 
 use std::{borrow::Cow, collections::HashMap, fmt::Display};
@@ -12,9 +12,9 @@ use crate::{
 };
 
 /// The index of an element.
-pub(super) type Id = usize;
+pub(crate) type Id = usize;
 
-pub(super) struct Tree<'a> {
+pub(crate) struct Tree<'a> {
     text: &'a str,
     elements: Vec<Element>,
     by_id: HashMap<Cow<'a, str>, Id>,
@@ -35,7 +35,7 @@ struct Element {
 }
 
 impl<'a> Tree<'a> {
-    pub(super) fn parse(text: &'a str) -> Result<Self, LoadError> {
+    pub(crate) fn parse(text: &'a str) -> Result<Self, LoadError> {
         let mut tree = Self { text, elements: Vec::new(), by_id: HashMap::new() };
         let mut reader = Reader::from_str(text);
         reader.config_mut().allow_dangling_amp = true;
@@ -83,19 +83,25 @@ impl<'a> Tree<'a> {
     }
 
     /// Returns the root element, or `None` if there are no elements.
-    pub(super) fn root(&self) -> Option<Id> {
+    pub(crate) fn root(&self) -> Option<Id> {
         (!self.elements.is_empty()).then_some(0)
     }
 
     /// Returns the name of an element without its prefix.
-    pub(super) fn name(&self, id: Id) -> &'a str {
+    pub(crate) fn name(&self, id: Id) -> &'a str {
         let element = &self.elements[id];
         let name = &self.text[element.start + 1..element.name_end];
         name.rsplit_once(':').map_or(name, |(_, local)| local)
     }
 
+    /// Returns the prefix of the name of an element: `xacro` of `xacro:macro`.
+    pub(crate) fn prefix(&self, id: Id) -> Option<&'a str> {
+        let element = &self.elements[id];
+        self.text[element.start + 1..element.name_end].rsplit_once(':').map(|(prefix, _)| prefix)
+    }
+
     /// Returns the value of an attribute, or `None` if it is missing.
-    pub(super) fn attribute(&self, id: Id, name: &str) -> Option<Cow<'a, str>> {
+    pub(crate) fn attribute(&self, id: Id, name: &str) -> Option<Cow<'a, str>> {
         let element = &self.elements[id];
         let tag = &self.text[element.start + 1..element.tag_end - 1];
         let tag = tag.strip_suffix('/').unwrap_or(tag);
@@ -103,30 +109,30 @@ impl<'a> Tree<'a> {
     }
 
     /// Returns the attribute `name`, or else `id`; empty text if both are missing.
-    pub(super) fn title(&self, id: Id) -> String {
+    pub(crate) fn title(&self, id: Id) -> String {
         let title = self.attribute(id, "name").filter(|name| !name.is_empty()).or_else(|| self.attribute(id, "id"));
         crate::text::name(title.unwrap_or_default().as_bytes())
     }
 
     /// Returns the child elements of an element.
-    pub(super) fn children(&self, id: Id) -> impl Iterator<Item = Id> {
+    pub(crate) fn children(&self, id: Id) -> impl Iterator<Item = Id> {
         let end = self.elements[id].next;
         let first = (id + 1 < end).then_some(id + 1);
         std::iter::successors(first, move |&child| Some(self.elements[child].next).filter(|&next| next < end))
     }
 
     /// Returns the child elements of this name.
-    pub(super) fn children_named(&self, id: Id, name: &str) -> impl Iterator<Item = Id> {
+    pub(crate) fn children_named(&self, id: Id, name: &str) -> impl Iterator<Item = Id> {
         self.children(id).filter(move |&child| self.name(child) == name)
     }
 
     /// Returns the first child element of this name, or `None`.
-    pub(super) fn child(&self, id: Id, name: &str) -> Option<Id> {
+    pub(crate) fn child(&self, id: Id, name: &str) -> Option<Id> {
         self.children_named(id, name).next()
     }
 
     /// Returns the text of an element, without the text of its child elements.
-    pub(super) fn text(&self, id: Id) -> Cow<'a, str> {
+    pub(crate) fn text(&self, id: Id) -> Cow<'a, str> {
         let element = &self.elements[id];
         let content = &self.text[element.tag_end..element.content_end];
         if memchr::memchr(b'<', content.as_bytes()).is_none() {
@@ -143,7 +149,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Calls `visit` with each number in the text of an element.
-    pub(super) fn each_number<T>(
+    pub(crate) fn each_number<T>(
         &self,
         id: Id,
         kind: Numbers<T>,
@@ -160,7 +166,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Returns all decimal numbers in the text of an element.
-    pub(super) fn floats(&self, id: Id) -> Result<Vec<f64>, LoadError> {
+    pub(crate) fn floats(&self, id: Id) -> Result<Vec<f64>, LoadError> {
         let mut values = Vec::new();
         self.each_number(id, FLOATS, |x| {
             values.push(x);
@@ -171,7 +177,7 @@ impl<'a> Tree<'a> {
 
     /// Returns the numbers in the text of an element. Returns an error unless there are exactly
     /// `N`, all finite.
-    pub(super) fn array<const N: usize>(&self, id: Id) -> Result<[f64; N], LoadError> {
+    pub(crate) fn array<const N: usize>(&self, id: Id) -> Result<[f64; N], LoadError> {
         let values = self.floats(id)?;
         match values.as_slice().try_into() {
             Ok(array) if values.iter().all(|x| x.is_finite()) => Ok(array),
@@ -184,7 +190,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Returns the whole number in an attribute, or `default` if the attribute is missing.
-    pub(super) fn count(&self, id: Id, attribute: &str, default: usize) -> Result<usize, LoadError> {
+    pub(crate) fn count(&self, id: Id, attribute: &str, default: usize) -> Result<usize, LoadError> {
         let Some(value) = self.attribute(id, attribute) else { return Ok(default) };
         integer(value.trim().as_bytes()).and_then(|n| usize::try_from(n).ok()).ok_or_else(|| {
             let expected = format!("a whole number as {attribute} of the element {}", self.name(id));
@@ -193,7 +199,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Returns the element that an attribute refers to, as `#id`.
-    pub(super) fn target(&self, id: Id, attribute: &str) -> Result<Id, LoadError> {
+    pub(crate) fn target(&self, id: Id, attribute: &str) -> Result<Id, LoadError> {
         let missing = |expected: &dyn Display| LoadError::syntax(expected.to_string(), b"").at(self.place(id));
         let Some(url) = self.attribute(id, attribute) else {
             return Err(missing(&format!("the attribute {attribute} of the element {}", self.name(id))));
@@ -211,7 +217,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Returns the line in which an element starts.
-    pub(super) fn place(&self, id: Id) -> Place {
+    pub(crate) fn place(&self, id: Id) -> Place {
         self.line(self.elements[id].start)
     }
 
@@ -243,7 +249,7 @@ fn add_text(xml: &str, text: &mut String) {
 
 /// A parser for the numbers of an element.
 #[derive(Clone, Copy)]
-pub(super) struct Numbers<T> {
+pub(crate) struct Numbers<T> {
     parse: fn(&[u8]) -> Option<T>,
     expected: &'static str,
 }
@@ -252,7 +258,7 @@ pub(super) struct Numbers<T> {
 const FLOATS: Numbers<f64> = Numbers { parse: number, expected: "a number" };
 
 /// Whole numbers.
-pub(super) const INTEGERS: Numbers<i64> = Numbers { parse: integer, expected: "a whole number" };
+pub(crate) const INTEGERS: Numbers<i64> = Numbers { parse: integer, expected: "a whole number" };
 
 #[cfg(test)]
 mod tests {

@@ -1,0 +1,213 @@
+//! Checks many configurations of a robot against itself and against obstacles.
+
+use std::collections::HashMap;
+use std::error::Error;
+use std::fmt;
+
+use super::error::ConfigurationError;
+use super::frame::Frame;
+use super::links::{PlacedLink, may_be_near};
+use super::model::Robot;
+use super::obstacles::Obstacles;
+use crate::budget::{Budget, Stopped};
+use crate::query::batch::{Answers, Execution, Status};
+use crate::query::{Cache, Proximity, Query};
+use crate::scene::{PartId, Scene, Stop};
+
+/// Options of [`Robot::check`].
+#[derive(Clone, Debug)]
+pub struct CheckOptions<'s> {
+    /// When the check of a configuration ends.
+    pub stop: Stop,
+    /// Obstacles: the parts of a scene, at their poses in it. The frame of the robot's root link is
+    /// the world frame of the scene. Pairs of two obstacles are not checked.
+    pub obstacles: Option<&'s Scene>,
+    /// Clearance that two links must keep, in units of length: the pair is found if the links are
+    /// [within](crate::query::within()) this distance.
+    pub self_padding: f64,
+    /// Clearance that each link must keep from obstacles, by the index of the link. Missing links
+    /// have zero.
+    pub padding: Vec<f64>,
+    /// Pairs of a link and an obstacle that are not checked, such as a base and the floor that it
+    /// stands on.
+    pub ignored: Vec<(usize, PartId)>,
+}
+
+impl Default for CheckOptions<'_> {
+    /// Returns the options of a check of all pairs of links, without obstacles and clearances.
+    fn default() -> Self {
+        Self { stop: Stop::All, obstacles: None, self_padding: 0.0, padding: Vec::new(), ignored: Vec::new() }
+    }
+}
+
+/// The link or obstacle that a link collides with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Other {
+    /// Another link, by its index, which is larger.
+    Link(usize),
+    /// A part of the scene of obstacles.
+    Obstacle(PartId),
+}
+
+/// A link that collides, or is too near.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Collision {
+    /// Index of the link.
+    pub link: usize,
+    /// The link or obstacle that it collides with.
+    pub other: Other,
+    /// `true` if nothing was proved about the pair, so that it counts as colliding to be safe.
+    pub is_undecided: bool,
+}
+
+/// The error that configurations could not be checked.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum CheckError {
+    /// A configuration is invalid.
+    Configuration(ConfigurationError),
+    /// A clearance is negative, NaN or infinite.
+    Padding,
+    /// A limit of the budget was reached.
+    Stopped(Stopped),
+}
+
+impl Robot {
+    /// Returns for each configuration the pairs that collide: pairs of links in the order of
+    /// [`pairs`](Self::pairs), then pairs of a link and an obstacle, in the order of the links and
+    /// of the scene. Undecided pairs are included. With [`Stop::First`] only the first pair is
+    /// returned.
+    ///
+    /// The configurations are rows of one value for each coordinate. A pair collides exactly if
+    /// [`intersects`](crate::query::intersects()) is true for the two shapes at the
+    /// [`poses`](Self::poses) of the configuration, or [`within`](crate::query::within()) if the
+    /// pair has a clearance. Limits of joints are not checked.
+    ///
+    /// # Errors
+    /// Returns an error if a configuration or a clearance is invalid, or if a limit of the budget
+    /// of `execution` was reached.
+    ///
+    /// # Complexity
+    /// For each configuration, time linear in the number of links and pairs for the kinematics and
+    /// the boxes, and one query for each pair whose boxes are near.
+    pub fn check(
+        &self,
+        configurations: &[f64],
+        options: &CheckOptions<'_>,
+        execution: Execution<'_>,
+    ) -> Result<Answers<Vec<Collision>>, CheckError> {
+        let rows = self.check_rows(configurations).map_err(CheckError::Configuration)?;
+        let is_valid = |clearance: &f64| clearance.is_finite() && *clearance >= 0.0;
+        if !options.padding.iter().chain([&options.self_padding]).all(is_valid) {
+            return Err(CheckError::Padding);
+        }
+        let check = Check { robot: self, options, obstacles: Obstacles::new(options.obstacles, &options.ignored) };
+        let columns = self.coordinates().len();
+        let values = execution.rows(
+            rows,
+            || State::new(self),
+            |state, row| check.row(&configurations[row * columns..(row + 1) * columns], state, execution.budget()),
+        );
+        let values = values.map_err(CheckError::Stopped)?;
+        let answers = Answers { shape: vec![rows], status: vec![Status::Ok; rows], values };
+        Ok(answers.mark_undecided(|found| found.iter().any(|collision| collision.is_undecided)))
+    }
+}
+
+struct Check<'c> {
+    robot: &'c Robot,
+    options: &'c CheckOptions<'c>,
+    obstacles: Obstacles,
+}
+
+/// State that consecutive configurations share.
+struct State {
+    frames: Vec<Frame>,
+    placed: Vec<PlacedLink>,
+    /// State of the last query of each pair of links, by the index of the pair.
+    caches: Vec<Cache>,
+    /// State of the last query of a link and an obstacle, by their indices.
+    obstacle_caches: HashMap<(usize, usize), Cache>,
+    near: Vec<usize>,
+}
+
+impl State {
+    fn new(robot: &Robot) -> Self {
+        let caches = robot.pairs().iter().map(|_| Cache::default()).collect();
+        let placed = vec![PlacedLink::Nowhere; robot.links().len()];
+        Self { frames: Vec::new(), placed, caches, obstacle_caches: HashMap::new(), near: Vec::new() }
+    }
+}
+
+impl Check<'_> {
+    /// Returns the collisions of a configuration.
+    fn row(&self, configuration: &[f64], state: &mut State, budget: &Budget<'_>) -> Vec<Collision> {
+        self.robot.place(configuration, &mut state.frames);
+        let State { frames, placed, caches, obstacle_caches, near } = state;
+        for ((link, placed), frame) in self.robot.links().iter().zip(placed.iter_mut()).zip(&*frames) {
+            if let Some(shape) = &link.shape {
+                placed.move_to(shape, frame.pose());
+            }
+        }
+        let mut found = Vec::new();
+        let is_first = self.options.stop == Stop::First;
+        let clearance = self.options.self_padding;
+        for (&[a, b], cache) in self.robot.pairs().iter().zip(caches) {
+            if may_be_near(&placed[a], &placed[b], clearance) {
+                // The caller discards the result if the budget is spent.
+                if budget.is_spent() {
+                    return found;
+                }
+                let pair = [&placed[a], &placed[b]];
+                found.extend(collision(a, Other::Link(b), proximity(pair, clearance, cache, budget)));
+                if is_first && !found.is_empty() {
+                    return found;
+                }
+            }
+        }
+        if self.obstacles.is_empty() {
+            return found;
+        }
+        for (link, placed) in placed.iter().enumerate().filter(|(_, placed)| !placed.is_nowhere()) {
+            let clearance = self.options.padding.get(link).copied().unwrap_or(0.0);
+            self.obstacles.near((link, placed), clearance, near);
+            for &at in &*near {
+                if budget.is_spent() {
+                    return found;
+                }
+                let (part, obstacle) = self.obstacles.part(at);
+                let cache = obstacle_caches.entry((link, at)).or_default();
+                let proximity = proximity([placed, obstacle], clearance, cache, budget);
+                found.extend(collision(link, Other::Obstacle(part), proximity));
+                if is_first && !found.is_empty() {
+                    return found;
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Returns whether two shapes are within a clearance of each other.
+fn proximity(pair: [&PlacedLink; 2], clearance: f64, cache: &mut Cache, budget: &Budget<'_>) -> Proximity {
+    let [PlacedLink::At(a), PlacedLink::At(b)] = pair else { return Proximity::Undecided };
+    let query = Query::new().with_cache(cache).with_budget(budget);
+    if clearance > 0.0 { query.nearness(&**a, &**b, clearance) } else { query.proximity(&**a, &**b) }
+}
+
+fn collision(link: usize, other: Other, proximity: Proximity) -> Option<Collision> {
+    let is_undecided = proximity == Proximity::Undecided;
+    (proximity != Proximity::Apart).then_some(Collision { link, other, is_undecided })
+}
+
+impl fmt::Display for CheckError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Configuration(error) => write!(f, "{error}"),
+            Self::Padding => f.write_str("a clearance is negative, NaN or infinite"),
+            Self::Stopped(stopped) => write!(f, "{stopped}"),
+        }
+    }
+}
+
+impl Error for CheckError {}
