@@ -28,14 +28,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! `parts` contains the scene, `configurations` the rows of poses, `near` the broad phase of a row,
-//! and `check` the checks. Guarded by `tests/it/scene`.
+//! `parts` contains the scene, `details` the details of a part, `configurations` the rows of poses,
+//! `near` the broad phase of a row, and `check` the checks. Guarded by `tests/it/scene`.
 
 mod check;
 mod configurations;
+mod details;
 mod near;
 mod parts;
 
 pub use check::{Candidates, FoundPair, Question, Stop};
 pub use configurations::{Configurations, ConfigurationsError};
+pub use details::Details;
 pub use parts::{PartId, Scene, SceneError};

@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::error::Error;
 use std::fmt;
 
+use super::details::Details;
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::shape::Shape;
@@ -27,6 +28,7 @@ pub(super) struct Part {
     pub(super) shape: Shape,
     pub(super) world_from_part: Pose,
     group: Option<u32>,
+    details: Details,
 }
 
 /// The reason why a part was refused.
@@ -88,7 +90,7 @@ impl Scene {
         };
         let part = PartId(number);
         self.by_name.insert(name.clone(), part);
-        self.parts.push(Part { name, shape, world_from_part, group: None });
+        self.parts.push(Part { name, shape, world_from_part, group: None, details: Details::default() });
         Ok(part)
     }
 
@@ -120,6 +122,32 @@ impl Scene {
     #[must_use]
     pub fn shape(&self, part: PartId) -> &Shape {
         &self.part(part).shape
+    }
+
+    /// Returns the pose of a part, which maps its frame to the world frame.
+    ///
+    /// # Panics
+    /// As for [`name`](Self::name).
+    #[must_use]
+    pub fn pose(&self, part: PartId) -> &Pose {
+        &self.part(part).world_from_part
+    }
+
+    /// Returns the details of a part, which are empty until they are set.
+    ///
+    /// # Panics
+    /// As for [`name`](Self::name).
+    #[must_use]
+    pub fn details(&self, part: PartId) -> &Details {
+        &self.part(part).details
+    }
+
+    /// Sets the details of a part: key, type, path and further properties. They change no check.
+    ///
+    /// # Panics
+    /// As for [`name`](Self::name).
+    pub fn set_details(&mut self, part: PartId, details: Details) {
+        self.parts[part.index()].details = details;
     }
 
     /// Excludes a pair of parts from all later checks.

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use impinge::Budget;
 use impinge::query::batch::{Execution, Poses, Status};
 use impinge::query::{self, Penetrates};
-use impinge::scene::{PartId, Question, Scene, SceneError, Stop};
+use impinge::scene::{Details, PartId, Question, Scene, SceneError, Stop};
 use impinge::{Mesh, Pose, Positions, Shape};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::generate::solids::{cuboid, icosphere};
@@ -225,4 +225,24 @@ fn pairs_after_the_first_are_not_checked() {
     let ((first, few), (all, many)) = (asked(Stop::First), asked(Stop::All));
     assert_eq!((first, all), (1, 19_900));
     assert!(many > 19_900 && few < many / 4, "{few} of {many}");
+}
+
+#[test]
+fn details_of_a_part_are_empty_until_they_are_set_and_change_no_answer() {
+    let mut scene = nested(3, |_| 1.0);
+    let parts: Vec<PartId> = scene.parts().collect();
+    assert_eq!(scene.details(parts[1]), &Details::default());
+    let before = scene.pairs(Question::Intersects).unwrap();
+    let details = Details {
+        key: "2O2Fr$t4X7Zf8NOew3FNr2".into(),
+        kind: "IfcWall".into(),
+        path: vec!["building".into(), "storey".into()],
+        extras: vec![("fire rating".into(), "F90".into())],
+    };
+    scene.set_details(parts[1], details.clone());
+    assert_eq!(parts.iter().map(|&part| scene.details(part) == &details).collect::<Vec<_>>(), [false, true, false]);
+    assert_eq!(scene.pairs(Question::Intersects).unwrap(), before);
+    let at = Pose::from_translation([1.0, 2.0, 3.0]).unwrap();
+    let moved = scene.add("moved", Shape::sphere([0.0; 3], 1.0).unwrap(), at).unwrap();
+    assert_eq!(scene.pose(moved), &at);
 }
