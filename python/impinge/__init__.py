@@ -16,6 +16,7 @@ from impinge._character import Animation, Character, Leaks, Part
 from impinge._character_pose import CharacterPose, PartHit, PartHits, PartPairs, SurfaceHit
 from impinge._contacts import ContactRows, Contacts, contacts
 from impinge._decomposition import ConvexPart, ConvexParts
+from impinge._details import Details
 from impinge._distances import Distance, distance, within
 from impinge._errors import InputError, LoadWarning, Status
 from impinge._impinge import __version__
@@ -72,6 +73,7 @@ __all__ = [
     "Contacts",
     "ConvexPart",
     "ConvexParts",
+    "Details",
     "Distance",
     "Health",
     "Hull",

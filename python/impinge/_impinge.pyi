@@ -23,6 +23,7 @@ __all__ = [
     "PackedCore",
     "PartitionCore",
     "PosedCore",
+    "SceneFile",
     "ShapeBase",
     "SolidBspCore",
     "TransformBase",
@@ -141,6 +142,34 @@ class Model:
     def sources(self) -> NDArray[np.uint32]: ...
     @property
     def part_of(self) -> NDArray[np.uint32]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+
+@final
+class SceneFile:
+    def __new__(
+        cls,
+        path: str | os.PathLike[str],
+        unit: str | None,
+        origin: list[float] | None,
+        names: str | os.PathLike[str] | None,
+        max_bytes: int | None = None,
+        max_triangles: int | None = None,
+    ) -> Self: ...
+    @property
+    def meshes(self) -> list[tuple[MeshBase, NDArray[np.uint32]]]: ...
+    @property
+    def names(self) -> list[str]: ...
+    @property
+    def mesh_of(self) -> list[int]: ...
+    @property
+    def poses(self) -> NDArray[np.float64]: ...
+    @property
+    def details(self) -> list[tuple[str, str, list[str], list[tuple[str, str]]]]: ...
+    @property
+    def format(self) -> str: ...
+    @property
+    def unit(self) -> str | None: ...
     @property
     def warnings(self) -> list[str]: ...
 

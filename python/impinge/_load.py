@@ -7,7 +7,10 @@ import warnings
 
 import numpy as np
 
-from impinge import _impinge
+from numpy.typing import ArrayLike
+
+from impinge import _arrays, _impinge
+from impinge._details import Details
 from impinge._errors import InputError, LoadWarning
 from impinge._mesh import Mesh
 from impinge._origin import Origin, origin_of
@@ -89,10 +92,15 @@ def load_scene(
     path: str | os.PathLike[str],
     unit: str | None = None,
     *,
+    names: str | os.PathLike[str] | None = None,
+    origin: ArrayLike | None = None,
     max_bytes: int | None = None,
     max_triangles: int | None = None,
 ) -> Scene:
-    r"""Load the parts of a file as a scene of named meshes, all in the frame of the file.
+    r"""Load the parts of a file as a scene: meshes, which parts share, with poses and details.
+
+    Each mesh of a glTF file is built once, in its own frame, however many parts share it. A part of
+    another format has a mesh of its own in the frame of the scene, and the identity as its pose.
 
     Parameters
     ----------
@@ -100,26 +108,38 @@ def load_scene(
         As for `load`.
     unit : {"um", "mm", "cm", "in", "ft", "m"}, optional
         As for `load`.
+    names : str or os.PathLike, optional
+        A JSON file with keys, types and names of nodes:
+        ``{"elements": [{"node": ..., "guid": ..., "type": ..., "name": ...}]}``. Further fields of
+        an element become extras.
+    origin : (3,) array_like, optional
+        Point that becomes the origin of the scene, in the frame of the file and in `unit`. It is
+        subtracted in double precision, before any coordinate is rounded. So a model in UTM
+        coordinates keeps its millimeters.
     max_bytes, max_triangles : int, optional
-        As for `load`.
+        As for `load`. Each mesh counts once.
 
     Returns
     -------
     Scene
         Parts have the names and the order of the file. If a name is missing or already used, a
-        number is added. All meshes are in the frame of the file, in the given unit: transforms in
-        the file are applied once, and each instance of a shape becomes a mesh of its own.
-        ``scene.parts[name].origin`` returns the polygons of the faces.
+        number is added. ``scene.poses[name]`` places a part, and ``scene.details(name)`` returns
+        its key, type, path and extras. The key is the ``guid`` in the file of names, else
+        ``GlobalId``, ``globalId``, ``guid`` or ``id`` in the extras of the node, else the second
+        half of a name like ``IfcWall|2O2Fr$t4X7Zf8NOew3FNr2``, else the names of the nodes around
+        the part and its own name, joined by ``/``. Parts with equal keys get ``#2`` and so on, in
+        the order of their places. ``scene.parts[name].origin`` returns the polygons of the faces.
 
     Raises
     ------
     OSError, InputError
-        As for `load`.
+        As for `load`, and if the file of names or the origin is invalid.
 
     Warns
     -----
     LoadWarning
-        If a part of the file was skipped, or if the file has no faces.
+        If a part of the file was skipped, if the file has no faces, or if the file of names names
+        nodes that the scene lacks.
 
     Examples
     --------
@@ -131,39 +151,48 @@ def load_scene(
     ...     scene = impinge.load_scene(path)
     >>> scene, scene.check().names()
     (Scene(2 parts, 1 pairs), [('floor', 'wall')])
+    >>> scene.details("wall").key
+    'wall'
     """
     path = path_of(path, "path")
-    model = _model(path, unit, max_bytes, max_triangles)
-    vertices, faces, part_of, sources = model.vertices, model.faces, model.part_of, model.sources
-    order = np.argsort(part_of, kind="stable")
-    ends = np.searchsorted(part_of[order], np.arange(len(model.parts) + 1))
-    parts: dict[str, Mesh] = {}
-    for number, given in enumerate(model.parts):
-        rows = order[ends[number] : ends[number + 1]]
-        used, corners = np.unique(faces[rows], return_inverse=True)
-        mesh = Mesh(vertices[used], corners.reshape(-1, 3))
-        name = _unique_name(given, number, parts)
-        mesh._origin = Origin(path, model.format, model.unit, sources[rows], np.zeros(len(rows), np.uint32), (name,))
-        parts[name] = mesh
-    return Scene(parts)
-
-
-def _unique_name(given: str, number: int, taken: dict[str, Mesh]) -> str:
-    name, count = given or f"part {number}", 2
-    while name in taken:
-        name, count = f"{given or f'part {number}'} ({count})", count + 1
-    return name
+    point = None if origin is None else _arrays.plain_shaped(origin, (3,), "origin").tolist()
+    sidecar = None if names is None else path_of(names, "names")
+    file = _impinge.SceneFile(path, _unit(unit), point, sidecar, **_limits(max_bytes, max_triangles))
+    _warn(path, file.warnings, is_empty=not file.names)
+    meshes: dict[int, Mesh] = {}
+    shared = file.meshes
+    for name, number in zip(file.names, file.mesh_of, strict=True):
+        if number not in meshes:
+            base, polygons = shared[number]
+            part_of = np.zeros(len(polygons), np.uint32)
+            meshes[number] = Mesh._of(base, Origin(path, file.format, file.unit, polygons, part_of, (name,)))
+    parts = {name: meshes[number] for name, number in zip(file.names, file.mesh_of, strict=True)}
+    about = (Details(key, kind, tuple(path), dict(extras)) for key, kind, path, extras in file.details)
+    poses = dict(zip(parts, file.poses, strict=True))
+    return Scene(parts, poses=poses, details=dict(zip(parts, about, strict=True)))
 
 
 def _model(path: str, unit: str | None, max_bytes: int | None, max_triangles: int | None) -> _impinge.Model:
     """Read a file; for each part that was skipped, warn at the caller of the public function."""
+    model = _impinge.Model(path, _unit(unit), **_limits(max_bytes, max_triangles))
+    _warn(path, model.warnings, is_empty=len(model.part_of) == 0, level=4)
+    return model
+
+
+def _unit(unit: str | None) -> str | None:
     if unit is not None and not isinstance(unit, str):
         raise InputError(f"must be a str, not {type(unit).__name__}", kind="unit", what="unit")
+    return unit
+
+
+def _limits(max_bytes: int | None, max_triangles: int | None) -> dict[str, int | None]:
     limits = {"max_bytes": max_bytes, "max_triangles": max_triangles}
-    checked = {name: None if limit is None else whole(limit, name) for name, limit in limits.items()}
-    model = _impinge.Model(path, unit, **checked)
-    for warning in model.warnings:
-        warnings.warn(f"{path}: {warning}", LoadWarning, stacklevel=3)
-    if len(model.part_of) == 0:
-        warnings.warn(f"{path}: the mesh has no faces, so it intersects nothing", LoadWarning, stacklevel=3)
-    return model
+    return {name: None if limit is None else whole(limit, name) for name, limit in limits.items()}
+
+
+def _warn(path: str, found: list[str], *, is_empty: bool, level: int = 3) -> None:
+    """Warn of skipped content, and of a file without faces, at the caller of the public function."""
+    for warning in found:
+        warnings.warn(f"{path}: {warning}", LoadWarning, stacklevel=level)
+    if is_empty:
+        warnings.warn(f"{path}: the mesh has no faces, so it intersects nothing", LoadWarning, stacklevel=level)

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from impinge import _arrays
+from impinge._details import Details
 from impinge._engine import engine
 from impinge._errors import InputError
 from impinge._mesh import Mesh
@@ -145,6 +147,10 @@ class Scene:
     ----------
     parts : mapping of str to Mesh or Shape
         The parts; several parts may share one mesh or shape.
+    poses : mapping of str to (4, 4) array_like, optional
+        World from part, copied. A part without a pose has the identity.
+    details : mapping of str to Details, optional
+        Key, type, path and further properties of parts.
     ignored : iterable of (str, str), optional
         Pairs of parts that are not checked, such as neighboring links of a robot, in either order.
     solid : bool
@@ -153,7 +159,8 @@ class Scene:
     Raises
     ------
     InputError
-        If a part is not a `Mesh` or `Shape`, or if `ignored` contains the name of an unknown part.
+        If a part is not a `Mesh` or `Shape`, if a pose is not a (4, 4) matrix, or if `poses`,
+        `details` or `ignored` contains the name of an unknown part.
 
     Examples
     --------
@@ -169,7 +176,13 @@ class Scene:
     """
 
     def __init__(
-        self, parts: Mapping[str, AnyShape], *, ignored: Iterable[tuple[str, str]] = (), solid: bool = False
+        self,
+        parts: Mapping[str, AnyShape],
+        *,
+        poses: Mapping[str, ArrayLike] | None = None,
+        details: Mapping[str, Details] | None = None,
+        ignored: Iterable[tuple[str, str]] = (),
+        solid: bool = False,
     ) -> None:
         if not isinstance(parts, Mapping):
             raise InputError(f"must be a mapping, not {type(parts).__name__}", kind="type", what="parts")
@@ -179,6 +192,12 @@ class Scene:
             if not isinstance(name, str) or not isinstance(part, Mesh | Shape):
                 message = f"part {name!r} is {type(part).__name__}; pass str names, and impinge.Mesh or impinge.Shape"
                 raise InputError(message, kind="type", what="parts")
+        self._poses = {name: _pose(pose, name) for name, pose in self._of_parts(poses, "poses").items()}
+        self._details = self._of_parts(details, "details")
+        for name, about in self._details.items():
+            if not isinstance(about, Details):
+                message = f"of part {name!r} are {type(about).__name__}; pass impinge.Details"
+                raise InputError(message, kind="type", what="details")
         self._ignored: set[frozenset[str]] = set()
         for a, b in _pairs(ignored):
             self._ignore((a, "ignored"), (b, "ignored"))
@@ -187,6 +206,22 @@ class Scene:
     def parts(self) -> dict[str, AnyShape]:
         """A copy of the parts by name."""
         return dict(self._parts)
+
+    @property
+    def poses(self) -> dict[str, NDArray[np.float64]]:
+        """The pose of each part by name, (4, 4), world from part; read-only arrays."""
+        return {name: self._poses.get(name, _IDENTITY) for name in self._parts}
+
+    def details(self, name: str) -> Details:
+        """Return key, type, path and further properties of a part; they may be empty.
+
+        Raises
+        ------
+        InputError
+            If there is no part with the name.
+        """
+        self._check_name(name, "name")
+        return self._details.get(name, Details())
 
     @property
     def pairs(self) -> tuple[tuple[str, str], ...]:
@@ -232,7 +267,8 @@ class Scene:
         ----------
         poses : mapping of str to (..., 4, 4) array_like
             World from part. The leading axes, the configurations, broadcast as in NumPy. A part
-            without a pose has the identity. Pairs of parts that do not move are checked once.
+            without a pose here has that of the scene. Pairs of parts that do not move are checked
+            once.
         question : {"intersects", "penetrates", "within"}
             The test, as the function of the same name. ``"penetrates"`` treats meshes as solids;
             ``"within"`` requires a clearance.
@@ -270,18 +306,14 @@ class Scene:
         >>> near.intersects
         array([ True, False])
         """
-        poses = {} if poses is None else poses
-        if not isinstance(poses, Mapping):
-            raise InputError(f"must be a mapping, not {type(poses).__name__}", kind="type", what="poses")
-        for name in poses:
-            self._check_name(name, "poses")
+        placed = self._poses | self._of_parts(poses, "poses")
         chosen(stop, ("first", "all"), "stop")
         chosen(question, ("intersects", "penetrates", "within"), "question")
         if (question == "within") != (clearance is not None):
             message = 'must be given if question is "within", and only then'
             raise InputError(message, kind="option", what="clearance")
         limit = 0.0 if clearance is None else real(clearance, "clearance", minimum=0)
-        parts = [(name, part, self._solid, poses.get(name)) for name, part in self._parts.items()]
+        parts = [(name, part, self._solid, placed.get(name)) for name, part in self._parts.items()]
         first, ignored = stop == "first", sorted(self._ignored_places())
         answer: Any = engine(on).check_scene(parts, ignored, (question, limit), first, on_error, progress)
         status: Statuses | None = None
@@ -298,6 +330,14 @@ class Scene:
         both = (sorted(place[name] for name in pair) for pair in self._ignored if len(pair) > 1)
         return {(i, j) for i, j in both}
 
+    def _of_parts(self, given: Mapping[str, Any] | None, what: str) -> dict[str, Any]:
+        """Return an argument that has values for some of the parts; those that are None are left out."""
+        if given is not None and not isinstance(given, Mapping):
+            raise InputError(f"must be a mapping, not {type(given).__name__}", kind="type", what=what)
+        for name in given or {}:
+            self._check_name(name, what)
+        return {name: value for name, value in (given or {}).items() if value is not None}
+
     def _check_name(self, name: str, what: str) -> None:
         if not isinstance(name, str) or name not in self._parts:
             message = f"there is no part {name!r}; there are {', '.join(map(repr, self._parts)) or 'none'}"
@@ -307,6 +347,20 @@ class Scene:
         """Return the numbers of parts and pairs."""
         count = len(self._parts)
         return f"Scene({count} parts, {count * (count - 1) // 2 - len(self._ignored_places())} pairs)"
+
+
+_IDENTITY = np.eye(4)
+_IDENTITY.setflags(write=False)
+
+
+def _pose(pose: ArrayLike, name: str) -> NDArray[np.float64]:
+    """Return a read-only copy of the pose of a part."""
+    matrix = _arrays.plain_poses(pose, f"poses[{name!r}]").copy()
+    if matrix.shape != (4, 4):
+        message = f"has shape {matrix.shape}; a part of a scene has one pose, (4, 4)"
+        raise InputError(message, kind="shape", what=f"poses[{name!r}]", hint="pass configurations to check")
+    matrix.setflags(write=False)
+    return matrix
 
 
 def _pairs(ignored: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:

@@ -70,8 +70,14 @@ mod packed;
 mod plain;
 mod ply;
 mod polygon;
+mod properties;
+mod reading;
 mod regular_file;
 mod replace;
+mod scene;
+mod scene_draft;
+mod scene_frame;
+mod scene_model;
 mod stl;
 mod text;
 mod three_mf;
@@ -92,11 +98,14 @@ pub use model::{Model, Warning, WarningKind};
 pub use ply::write_ply;
 pub use regular_file::read_regular_file;
 pub use replace::replace_file;
-pub use unit::{Unit, UnknownUnit};
+pub use scene::{SceneOptions, load_scene, parse_scene};
+pub use scene_model::{SceneMesh, SceneModel, ScenePart};
+pub use unit::{Conversion, Unit, UnknownUnit};
 
 use impinge::character::Rig;
 use limits::OF_FILE;
 use model::Warnings;
+use reading::Named;
 
 /// Loads the triangles of a file. Detects the format by content, then by extension.
 ///
@@ -123,36 +132,10 @@ pub fn load(path: impl AsRef<Path>) -> Result<Model, LoadError> {
 pub fn load_with(path: impl AsRef<Path>, limits: &Limits) -> Result<Model, LoadError> {
     let path = path.as_ref();
     let load = || {
-        // A missing file is reported before an unknown extension.
-        regular_file::open(path)?;
-        let named = Named::of(path)?;
-        read(&read_regular_file(path, limits)?, &named, path.parent(), limits)
+        let (bytes, named) = reading::read_file(path, limits)?;
+        reading::read(&bytes, &named, path.parent(), limits)
     };
     load().map_err(|e| e.in_file(path))
-}
-
-/// Expectations about the content of a file, from its name.
-struct Named {
-    /// Format that the extension stands for. If it is `None`, `extension` is empty or ends in `gz`.
-    format: Option<Format>,
-    /// Whether the name says that the content is compressed; `None` if there is no name.
-    packed: Option<bool>,
-    extension: String,
-}
-
-impl Named {
-    fn of(path: &Path) -> Result<Self, LoadError> {
-        let extension = |path: &Path| path.extension().unwrap_or_default().to_string_lossy().into_owned();
-        let last = extension(path);
-        let packed = last.eq_ignore_ascii_case("gz");
-        let inner = if packed { extension(Path::new(path.file_stem().unwrap_or_default())) } else { last.clone() };
-        let format = Format::from_extension(&inner);
-        if format.is_none() && !packed && !last.is_empty() {
-            return Err(LoadError::new(LoadErrorKind::UnsupportedFormat { extension: last }));
-        }
-        let extension = if packed && !inner.is_empty() { format!("{inner}.{last}") } else { last };
-        Ok(Self { format, packed: Some(packed), extension })
-    }
 }
 
 /// Loads the rigged character of a glTF or GLB file: its skeleton, its skin with morph targets, and
@@ -204,7 +187,7 @@ pub fn parse_rig_with(bytes: &[u8], limits: &Limits) -> Result<Rig, LoadError> {
 
 fn read_rig(bytes: &[u8], folder: Option<&Path>, limits: &Limits) -> Result<Rig, LoadError> {
     limits.check_bytes(OF_FILE, bytes.len() as u64)?;
-    let unpacked = unpack(bytes, limits, &mut Warnings::default())?;
+    let unpacked = reading::unpack(bytes, limits, &mut Warnings::default())?;
     let bytes = unpacked.as_deref().unwrap_or(bytes);
     match Format::of_content(bytes).unwrap_or(Format::Gltf) {
         format @ (Format::Gltf | Format::Glb) => gltf::rig::read(bytes, format, folder, limits),
@@ -226,7 +209,7 @@ pub fn parse(bytes: &[u8], format: Format) -> Result<Model, LoadError> {
 /// # Errors
 /// Returns an error as [`load_with`] does; the path of the error is empty.
 pub fn parse_with(bytes: &[u8], format: Format, limits: &Limits) -> Result<Model, LoadError> {
-    read(bytes, &Named { format: Some(format), packed: None, extension: String::new() }, None, limits)
+    reading::read(bytes, &Named::bytes(Some(format)), None, limits)
 }
 
 /// Reads the triangles from the bytes of a file, whose format must be evident from the bytes. Other
@@ -235,49 +218,5 @@ pub fn parse_with(bytes: &[u8], format: Format, limits: &Limits) -> Result<Model
 /// # Errors
 /// Returns an error as [`load`] does; the path of the error is empty.
 pub fn parse_by_content(bytes: &[u8]) -> Result<Model, LoadError> {
-    read(bytes, &Named { format: None, packed: None, extension: String::new() }, None, &Limits::default())
-}
-
-/// Reads the triangles from bytes. Other files that the bytes refer to are read from `folder`, or
-/// not at all if it is `None`.
-fn read(bytes: &[u8], named: &Named, folder: Option<&Path>, limits: &Limits) -> Result<Model, LoadError> {
-    let mut warnings = Warnings::default();
-    let file_size = bytes.len() as u64;
-    limits.check_bytes(OF_FILE, file_size)?;
-    let unpacked = unpack(bytes, limits, &mut warnings)?;
-    let bytes = unpacked.as_deref().unwrap_or(bytes);
-    let Some(actual) = Format::of_content(bytes).or(named.format) else {
-        let extension = named.extension.clone();
-        return Err(LoadError::new(LoadErrorKind::UnsupportedFormat { extension }));
-    };
-    let mut model = match actual {
-        Format::Obj => obj::read(bytes, limits),
-        Format::Stl => stl::read(bytes, limits),
-        Format::Ply => ply::read(bytes, limits),
-        Format::Off => off::read(bytes, limits),
-        Format::Gltf | Format::Glb => gltf::read(bytes, actual, folder, limits),
-        Format::ThreeMf => three_mf::read(bytes, file_size, limits),
-        Format::Collada => collada::read(bytes, limits),
-        Format::Baked => baked::read(bytes, limits),
-    }?;
-    let is_other = named.format.is_some_and(|format| format != actual)
-        || named.packed.is_some_and(|packed| packed != unpacked.is_some());
-    let mut all = Warnings::default();
-    all.add(WarningKind::OtherExtension, is_other.into(), || None);
-    all.extend(warnings.into_vec());
-    all.extend(model.warnings);
-    model.warnings = all.into_vec();
-    Ok(model)
-}
-
-/// Returns the content of a gzip file, or `None` for another file. Returns an error if there are no
-/// bytes.
-fn unpack(bytes: &[u8], limits: &Limits, warnings: &mut Warnings) -> Result<Option<Vec<u8>>, LoadError> {
-    // The header of a binary STL file may begin with any bytes.
-    let packed = packed::is_gzip(bytes) && Format::of_content(bytes).is_none();
-    let unpacked = if packed { Some(packed::gunzip(bytes, limits, warnings)?) } else { None };
-    if unpacked.as_deref().unwrap_or(bytes).is_empty() {
-        return Err(LoadError::new(LoadErrorKind::Empty));
-    }
-    Ok(unpacked)
+    reading::read(bytes, &Named::bytes(None), None, &Limits::default())
 }

@@ -79,6 +79,8 @@ pub enum WarningKind {
     SingleInstances,
     /// Nodes that several paths from the root reach; one instance was loaded for each path.
     SharedNodes,
+    /// Entries of a file of names that name no node of the scene; they were ignored.
+    UnknownNames,
     /// Beams and balls of lattices; they were skipped.
     Beams,
     /// Holes in polygons; they were filled.
@@ -117,6 +119,7 @@ impl fmt::Display for WarningKind {
             Self::Unposed => "skinned meshes, loaded as modeled without the pose of their skeleton",
             Self::SingleInstances => "nodes whose instancing extension places no instances, loaded once",
             Self::SharedNodes => "nodes that several paths reach, loaded once for each path",
+            Self::UnknownNames => "entries of the file of names that name no node of the scene, ignored",
             Self::Beams => "beams and balls of lattices, skipped",
             Self::FilledHoles => "holes in polygons, filled",
             Self::NoScene => "geometries of a file without a scene, loaded as modeled",
@@ -183,6 +186,8 @@ pub(crate) struct Faces {
     polygons: u32,
     triangulator: Triangulator,
     max_triangles: u64,
+    /// Number of triangles that were taken out, which count towards the limit.
+    taken: u64,
 }
 
 impl Default for Faces {
@@ -202,13 +207,22 @@ impl Faces {
             polygons: 0,
             triangulator: Triangulator::default(),
             max_triangles: limits.triangles(),
+            taken: 0,
         }
+    }
+
+    /// Takes out the triangles that were added since the last call, and their polygons. Triangles
+    /// that are taken out still count towards the limit, and their polygons keep their numbers.
+    pub(crate) fn take(&mut self) -> (Vec<[u32; 3]>, Vec<u32>) {
+        self.taken += self.faces.len() as u64;
+        self.part_of.clear();
+        (std::mem::take(&mut self.faces), std::mem::take(&mut self.sources))
     }
 
     /// Returns an error if `more` triangles would exceed the limit.
     #[inline]
     pub(crate) fn check_room(&self, more: u64) -> Result<(), LoadError> {
-        let count = self.faces.len() as u64 + more;
+        let count = self.taken + self.faces.len() as u64 + more;
         if count <= self.max_triangles { Ok(()) } else { Err(too_many_triangles(count, self.max_triangles)) }
     }
 

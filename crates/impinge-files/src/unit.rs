@@ -49,6 +49,24 @@ impl Unit {
         }
     }
 
+    /// Returns the conversion of lengths in this unit to another one.
+    ///
+    /// ```
+    /// use impinge_files::Unit;
+    ///
+    /// assert_eq!(Unit::Foot.to(Unit::Inch).apply(2.5), 30.0);
+    /// ```
+    #[must_use]
+    pub fn to(self, other: Self) -> Conversion {
+        // Whole numbers of micrometers.
+        let [from, to] = [self, other].map(|unit| (unit.meters() * 1e6).round());
+        match () {
+            () if from % to == 0.0 => Conversion { times: from / to, over: 1.0 },
+            () if to % from == 0.0 => Conversion { times: 1.0, over: to / from },
+            () => Conversion { times: from, over: to },
+        }
+    }
+
     /// Returns the unit with a name of 3MF's `unit` attribute: `micron`, `millimeter`,
     /// `centimeter`, `inch`, `foot` or `meter`. Returns `None` for other names.
     pub(crate) fn from_3mf(name: &str) -> Option<Self> {
@@ -61,6 +79,22 @@ impl Unit {
             "meter" => Self::Meter,
             _ => return None,
         })
+    }
+}
+
+/// A conversion of lengths from one unit to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conversion {
+    times: f64,
+    over: f64,
+}
+
+impl Conversion {
+    /// Returns a length in the other unit. It is rounded once if one unit is a whole multiple of
+    /// the other, and twice otherwise.
+    #[must_use]
+    pub fn apply(self, length: f64) -> f64 {
+        length * self.times / self.over
     }
 }
 

@@ -34,6 +34,7 @@ mod poses;
 mod question;
 mod rays;
 mod scene;
+mod scene_file;
 mod scene_shares;
 mod shape_rays;
 mod shapes;
@@ -103,6 +104,8 @@ mod _impinge {
     use super::rays::{face_normals, ray_cast, ray_cast_all};
     #[pymodule_export]
     use super::scene::check_scene;
+    #[pymodule_export]
+    use super::scene_file::SceneFile;
     #[pymodule_export]
     use super::scene_shares::{check_pairs, scene_candidates};
     #[pymodule_export]

@@ -52,7 +52,11 @@ impl State {
 impl MeshBase {
     /// Returns the base class for a mesh of the library.
     pub(crate) fn of(mesh: &Mesh) -> Self {
-        let is_double = !mesh.is_single_precision();
+        Self::in_precision(mesh, !mesh.is_single_precision())
+    }
+
+    /// Returns the base class for a mesh whose vertices were given in double or single precision.
+    pub(crate) fn in_precision(mesh: &Mesh, is_double: bool) -> Self {
         Self { state: Mutex::new(State::new(mesh.clone(), is_double)), faces: Arc::new(PyOnceLock::new()) }
     }
 

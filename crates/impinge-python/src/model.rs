@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use impinge::storage::{AlignedBytes, SharedBytes};
 use impinge::{Mesh, Positions};
-use impinge_files::{Baked, Format, Limits, LoadError, Provenance, Unit, Warning, replace_file, write_baked};
+use impinge_files::{
+    Baked, Format, Limits, LoadError, Provenance, Unit, UnknownUnit, Warning, replace_file, write_baked,
+};
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -51,9 +53,7 @@ impl Model {
     ) -> PyResult<Self> {
         let mut limits = Limits::default();
         (limits.max_bytes, limits.max_triangles) = (max_bytes, max_triangles);
-        let wanted = unit
-            .map(|text| text.parse::<Unit>().map_err(|error| Fault::new("unit", "unit", error.to_string()).raised(py)))
-            .transpose()?;
+        let wanted = unit_of(py, unit)?;
         let shown = path.display().to_string();
         let model =
             workers::run(py, move |_| Self::read(&path, wanted, &limits))?.map_err(|error| load_error(py, &error))?;
@@ -179,6 +179,15 @@ impl Model {
     }
 }
 
+/// Returns the unit with a symbol.
+///
+/// # Errors
+/// `InputError` that lists the symbols.
+pub(crate) fn unit_of(py: Python<'_>, symbol: Option<&str>) -> PyResult<Option<Unit>> {
+    let parse = |text: &str| text.parse().map_err(|error: UnknownUnit| error.to_string());
+    symbol.map(|text| parse(text).map_err(|error| Fault::new("unit", "unit", error).raised(py))).transpose()
+}
+
 /// Origin of the faces in Python: polygons and parts, (m,), names of the parts, and the unit. It is
 /// `None` if each face is its own polygon, of one part without a name.
 type About = Option<(Vec<u32>, Vec<u32>, Vec<String>, Option<String>)>;
@@ -229,18 +238,11 @@ fn provenance(about: About, faces: usize) -> Provenance {
     Provenance { sources, part_of, parts, unit: unit.and_then(|unit| unit.parse().ok()) }
 }
 
-/// Returns the same lengths in another unit. Each coordinate is rounded once if one unit is a whole
-/// multiple of the other, and twice otherwise.
+/// Returns the same lengths in another unit.
 fn converted(positions: Positions, from: Unit, to: Unit) -> Positions {
-    // Whole numbers of micrometers.
-    let [from, to] = [from, to].map(|unit| (unit.meters() * 1e6).round());
     if from == to {
         return positions;
     }
-    let convert = |x: f64| match () {
-        () if from % to == 0.0 => x * (from / to),
-        () if to % from == 0.0 => x / (to / from),
-        () => x * from / to,
-    };
-    Positions::F64((0..positions.len()).map(|i| positions.get(i).map(convert)).collect())
+    let conversion = from.to(to);
+    Positions::F64((0..positions.len()).map(|i| positions.get(i).map(|x| conversion.apply(x))).collect())
 }

@@ -93,11 +93,14 @@ def scene_of(paths: Sequence[str], unit: str | None) -> Scene:
 
     If there are several, the name of a part begins with the number and the name of its file.
     """
-    parts = {}
+    parts, poses, details = {}, {}, {}
     for at, path in enumerate(paths):
         prefix = "" if len(paths) == 1 else f"{at + 1} {os.path.basename(path)}: "
-        parts.update({prefix + name: part for name, part in load_scene(path, unit).parts.items()})
-    return Scene(parts)
+        scene = load_scene(path, unit)
+        parts.update({prefix + name: part for name, part in scene.parts.items()})
+        poses.update({prefix + name: pose for name, pose in scene.poses.items()})
+        details.update({prefix + name: scene.details(name) for name in scene.parts})
+    return Scene(parts, poses=poses, details=details)
 
 
 def _named(names: list[str], pairs: NDArray[np.uint32]) -> list[list[str]]:

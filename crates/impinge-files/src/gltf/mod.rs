@@ -14,10 +14,12 @@
 //! - Buffers are the GLB chunk, base64 text, or files in the folder of the document or below.
 
 mod accessor;
+pub(crate) mod assembly;
 mod buffer;
 mod container;
 mod document;
 mod extensions;
+mod extras;
 mod instancing;
 pub(crate) mod rig;
 mod scene;
@@ -174,19 +176,23 @@ impl Reader<'_> {
     fn instance(&mut self, instance: &Instance) -> Result<(), LoadError> {
         let source = self.source;
         let mesh = &source.document.meshes[instance.mesh];
-        if let Some(index) = instance.node {
-            let node = &source.document.nodes[index];
-            let place = || Some(Place::Entry(format!("node {index}")));
-            let warnings = &mut self.faces.warnings;
-            warnings.add(WarningKind::Unposed, node.skin.is_some().into(), place);
-            warnings.add(WarningKind::SingleInstances, instancing::places_nothing(node).into(), place);
-        }
+        self.note(instance);
         if mesh.primitives.is_empty() {
             return Ok(());
         }
         let name = name(part_name(source.document, instance).as_bytes());
         let worlds = instancing::worlds(&source, instance)?;
         worlds.iter().try_for_each(|world| self.mesh(mesh, instance, world, &name))
+    }
+
+    /// Adds the warnings about the node of an instance.
+    fn note(&mut self, instance: &Instance) {
+        let Some(index) = instance.node else { return };
+        let node = &self.source.document.nodes[index];
+        let place = || Some(Place::Entry(format!("node {index}")));
+        let warnings = &mut self.faces.warnings;
+        warnings.add(WarningKind::Unposed, node.skin.is_some().into(), place);
+        warnings.add(WarningKind::SingleInstances, instancing::places_nothing(node).into(), place);
     }
 
     /// Adds a mesh as one part, if it has triangles.

@@ -23,28 +23,45 @@ pub(super) struct Instance {
 
 /// Returns all instances, parents before children, in the order of the file. A node that several
 /// paths reach is returned once per path. Returns an error if the paths exceed the budget.
-///
-/// The traversals keep their own stacks, so deep hierarchies of nodes cannot overflow the call
-/// stack.
 pub(super) fn instances(
     document: &Document,
     warnings: &mut Warnings,
     budget: Budget,
 ) -> Result<Vec<Instance>, LoadError> {
+    let mut instances = Vec::new();
+    walk(document, warnings, budget, |instance, _| {
+        instances.push(instance);
+        Ok(())
+    })?;
+    Ok(instances)
+}
+
+/// Calls `visit` with all instances in the order of [`instances`], each with the nodes that contain
+/// its node, the outermost first. Returns an error if the paths exceed the budget, or the first
+/// error of `visit`.
+///
+/// The traversals keep their own stacks, so deep hierarchies of nodes cannot overflow the call
+/// stack.
+pub(super) fn walk(
+    document: &Document,
+    warnings: &mut Warnings,
+    budget: Budget,
+    mut visit: impl FnMut(Instance, &[u32]) -> Result<(), LoadError>,
+) -> Result<(), LoadError> {
     if document.nodes.is_empty() {
-        let instance = |mesh| Instance { node: None, mesh, world: Affine::IDENTITY };
-        return Ok((0..document.meshes.len()).map(instance).collect());
+        return (0..document.meshes.len())
+            .try_for_each(|mesh| visit(Instance { node: None, mesh, world: Affine::IDENTITY }, &[]));
     }
     let roots = roots(document)?;
     count_paths(document, &roots, warnings, budget)?;
-    let mut instances = Vec::new();
-    // The maps of nodes that have children. The stack holds nodes, each with the index of its
-    // parent's map.
-    let mut worlds = vec![Affine::IDENTITY];
+    // The nodes with children that contain the current node, and their maps, of which the first is
+    // that of the scene. The stack holds nodes, each with the index of its parent's map.
+    let (mut around, mut worlds) = (Vec::new(), vec![Affine::IDENTITY]);
     let mut stack: Vec<(u32, usize)> = roots.into_iter().rev().map(|root| (root, 0)).collect();
     while let Some((index, parent)) = stack.pop() {
         // Maps after that of the parent belong to nodes that are done.
         worlds.truncate(parent + 1);
+        around.truncate(parent);
         let node = &document.nodes[index as usize];
         let place = || Place::Entry(format!("node {index}"));
         let world = worlds[parent].after(&local(node).map_err(|e| e.at(place()))?);
@@ -52,14 +69,15 @@ pub(super) fn instances(
             if mesh as usize >= document.meshes.len() {
                 return Err(missing("mesh", mesh).at(place()));
             }
-            instances.push(Instance { node: Some(index as usize), mesh: mesh as usize, world });
+            visit(Instance { node: Some(index as usize), mesh: mesh as usize, world }, &around)?;
         }
         if !node.children.is_empty() {
             worlds.push(world);
+            around.push(index);
             stack.extend(node.children.iter().rev().map(|&child| (child, worlds.len() - 1)));
         }
     }
-    Ok(instances)
+    Ok(())
 }
 
 /// Returns an error if a node does not exist, nodes form a cycle, or the paths to all nodes exceed
