@@ -12,4 +12,5 @@ mod limits;
 mod load;
 mod real_files;
 mod rigs;
+mod scenes;
 mod winding_numbers;
