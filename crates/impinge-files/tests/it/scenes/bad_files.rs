@@ -74,7 +74,8 @@ fn instances_are_limited_by_the_size_of_the_file() {
 fn a_shared_mesh_counts_once() {
     let nodes = vec![r#"{"mesh": 0}"#; 50].join(",");
     let text = document(&format!(r#""nodes": [{nodes}]"#));
-    let with = |triangles| SceneOptions { limits: Limits::default().with_max_triangles(triangles), ..SceneOptions::default() };
+    let with =
+        |triangles| SceneOptions { limits: Limits::default().with_max_triangles(triangles), ..SceneOptions::default() };
     assert_eq!(parse_scene(text.as_bytes(), Format::Gltf, &with(4)).unwrap().parts.len(), 50);
     let error = parse_scene(text.as_bytes(), Format::Gltf, &with(3)).unwrap_err();
     assert_eq!(error.kind(), &LoadErrorKind::TooMany { what: "triangles", count: 4, limit: 3 });

@@ -74,7 +74,8 @@ fn keys_stay_the_same_if_nodes_are_reordered_and_parts_are_added() {
     let key_at_place = |order: &[usize]| {
         let nodes: Vec<&str> = order.iter().map(|&at| parts[at]).collect();
         let model = scene(&nodes.join(","));
-        let mut found: Vec<(usize, String)> = order.iter().copied().zip(keys(&model).into_iter().map(str::to_owned)).collect();
+        let mut found: Vec<(usize, String)> =
+            order.iter().copied().zip(keys(&model).into_iter().map(str::to_owned)).collect();
         found.sort();
         found.into_iter().map(|(_, key)| key).collect::<Vec<_>>()
     };

@@ -77,7 +77,10 @@ fn a_part_that_is_mirrored_keeps_its_inside() {
         let point = Shape::sphere(at, 1e-3).unwrap();
         impinge::query::intersects(&shape.at(Pose::IDENTITY).unwrap(), &point.at(Pose::IDENTITY).unwrap())
     };
-    assert!(probe(&flat.solid().into(), [-0.05, 0.05, 0.05]), "the reader keeps the outside of a flattened part outside");
+    assert!(
+        probe(&flat.solid().into(), [-0.05, 0.05, 0.05]),
+        "the reader keeps the outside of a flattened part outside"
+    );
     let model = parse_text(&text, &SceneOptions::default());
     assert!(model.parts[0].world_from_part.mirrors());
     let scene = model.into_scene(|mesh| mesh.solid().into()).unwrap();
@@ -122,7 +125,8 @@ fn an_origin_far_away_keeps_micrometers() {
 #[test]
 fn units_convert_meshes_and_poses() {
     let text = document(r#""nodes": [{"mesh": 0, "translation": [0.0254, 0, 0], "scale": [2, 2, 2]}]"#);
-    let options = SceneOptions { unit: Some(Unit::Millimeter), origin: Some([0.4, 0.0, 0.0]), ..SceneOptions::default() };
+    let options =
+        SceneOptions { unit: Some(Unit::Millimeter), origin: Some([0.4, 0.0, 0.0]), ..SceneOptions::default() };
     let model = parse_text(&text, &options);
     assert_eq!(model.unit, Some(Unit::Millimeter));
     let pose = &model.parts[0].world_from_part;
