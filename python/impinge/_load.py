@@ -6,7 +6,6 @@ import os
 import warnings
 
 import numpy as np
-
 from numpy.typing import ArrayLike
 
 from impinge import _arrays, _impinge

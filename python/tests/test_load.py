@@ -303,7 +303,9 @@ def test_errors_name_the_broken_file(tmp_path):
     with pytest.raises(impinge.InputError, match="vertex 2 is out of range") as caught:
         impinge.load(far)
     assert (caught.value.kind, caught.value.what, caught.value.where) == ("out-of-range", str(far), None)
-    with pytest.raises(impinge.InputError, match="vertex 2 has a coordinate that is NaN, infinite or too large") as caught:
+    with pytest.raises(
+        impinge.InputError, match="vertex 2 has a coordinate that is NaN, infinite or too large"
+    ) as caught:
         impinge.load_scene(far)
     assert (caught.value.kind, caught.value.what) == ("non-finite", str(far))
     for wrong in (None, 3, b"\xff"):

@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from OCP.BRep import BRep_Tool
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
+from OCP.collections import Sequence_TDF_Label
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.STEPCAFControl import STEPCAFControl_Reader
 from OCP.TCollection import TCollection_AsciiString, TCollection_ExtendedString
 from OCP.TDataStd import TDataStd_Name
-from OCP.TDF import TDF_Label, TDF_LabelSequence, TDF_Tool
+from OCP.TDF import TDF_Label, TDF_Tool
 from OCP.TDocStd import TDocStd_Document
 from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED
 from OCP.TopExp import TopExp_Explorer
@@ -41,7 +42,7 @@ def read(path: str, sag: float | None) -> Glb:
     if reader.ReadFile(path) != IFSelect_RetDone or not reader.Transfer(document):
         raise ValueError("not a STEP model that Open CASCADE can read")
     tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
-    roots = TDF_LabelSequence()
+    roots = Sequence_TDF_Label()
     tool.GetFreeShapes(roots)
     length = _SAG if sag is None else sag
     model = _Model(Glb({"source": os.path.basename(path), "sag": length}), length)
@@ -67,7 +68,7 @@ class _Model:
                 self.glb.add_part(name, parent, {}, mesh, matrix)
             return
         group = self.glb.add_group(name, parent, {})
-        components = TDF_LabelSequence()
+        components = Sequence_TDF_Label()
         XCAFDoc_ShapeTool.GetComponents_s(label, components)
         for number in range(1, components.Length() + 1):
             component, shape = components.Value(number), TDF_Label()
@@ -92,7 +93,7 @@ def _triangles(shape: Any, sag: float) -> tuple[NDArray[np.float64], NDArray[np.
     first = 0
     explorer = TopExp_Explorer(shape, TopAbs_FACE)
     while explorer.More():
-        face, location = TopoDS.Face_s(explorer.Current()), TopLoc_Location()
+        face, location = TopoDS.Face(explorer.Current()), TopLoc_Location()
         triangulation = BRep_Tool.Triangulation_s(face, location)
         explorer.Next()
         if triangulation is None:
