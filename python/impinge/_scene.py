@@ -193,7 +193,7 @@ class Scene:
                 message = f"part {name!r} is {type(part).__name__}; pass str names, and impinge.Mesh or impinge.Shape"
                 raise InputError(message, kind="type", what="parts")
         self._poses = {name: _pose(pose, name) for name, pose in self._of_parts(poses, "poses").items()}
-        self._details = self._of_parts(details, "details")
+        self._details: dict[str, Details] = self._of_parts(details, "details")
         for name, about in self._details.items():
             if not isinstance(about, Details):
                 message = f"of part {name!r} are {type(about).__name__}; pass impinge.Details"

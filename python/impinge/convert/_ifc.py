@@ -78,7 +78,7 @@ def _group(glb: Glb, groups: dict[int, int], element: Any) -> int | None:
 
 
 def _name(element: Any) -> str:
-    return element.Name or element.is_a()
+    return str(element.Name or element.is_a())
 
 
 def _extras(element: Any) -> dict[str, Any]:
