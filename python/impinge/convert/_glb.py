@@ -61,7 +61,7 @@ class Glb:
     def add_part(
         self, name: str, parent: int | None, extras: dict[str, Any], mesh: int, matrix: NDArray[np.float64]
     ) -> None:
-        """Add a node with a mesh at a place in the scene. All groups around it have the identity."""
+        """Add a node with a mesh at a place in the scene. Groups around it have the identity."""
         world = matrix.copy()
         world[:3, 3] += matrix[:3, :3] @ self._origins[mesh]
         node: dict[str, Any] = {"name": name, "mesh": mesh}

@@ -86,7 +86,7 @@ class _Model:
 
 
 def _triangles(shape: Any, sag: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return the vertices in meters, and the faces of a shape. Faces of the shape share vertices."""
+    """Return the vertices of a shape in meters, and its triangles, which share vertices."""
     BRepMesh_IncrementalMesh(shape, sag * _METER, False, _TURN, True)
     points: list[NDArray[np.float64]] = []
     corners: list[NDArray[np.int64]] = []

@@ -1,7 +1,7 @@
 //! Loads the parts of a file as a scene.
 //!
-//! - Parts of glTF share meshes: each mesh is read once, in its own frame, and each node with a mesh
-//!   is a part with a pose, also each instance of `EXT_mesh_gpu_instancing`. A node whose map is no
+//! - Parts of glTF share meshes: each mesh is read once, in its own frame. Each node with a mesh is
+//!   a part with a pose, also each instance of `EXT_mesh_gpu_instancing`. A node whose map is no
 //!   valid pose, because it is flat or beyond the range of poses, has a mesh of its own.
 //! - Of other formats each part that the reader names has a mesh of its own, in the frame of the
 //!   scene.
