@@ -87,7 +87,7 @@ fn a_shared_mesh_counts_once() {
 /// Replaces bytes of the JSON text and of the header by hostile ones.
 fn mutate(rng: &mut Rng, bytes: &mut [u8], json: usize) {
     const BYTES: &[u8] = b"0123456789-eE.[]{}\":,nt\xFF\0";
-    for _ in 0..=rng.integer(0, 3) {
+    for _ in 0..=rng.integer(0, 1) {
         let reach = if rng.integer(0, 7) == 0 { bytes.len() } else { json };
         let at = rng.integer(0, reach as i64 - 1) as usize;
         bytes[at] = BYTES[rng.integer(0, BYTES.len() as i64 - 1) as usize];

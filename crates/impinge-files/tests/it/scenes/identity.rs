@@ -102,9 +102,11 @@ fn keys_without_an_id_are_the_path_of_nodes() {
 fn other_formats_have_a_part_for_each_name() {
     let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\no left\nf 1 2 3\no right\nf 4 2 3\no left\nf 4 1 2\n";
     let model = parse_scene(obj.as_bytes(), Format::Obj, &SceneOptions::default()).unwrap();
-    assert_eq!(names(&model), ["left", "right", "left (2)"]);
-    assert_eq!(keys(&model), ["left", "right", "left#2"]);
-    assert_eq!(model.meshes.iter().map(|mesh| mesh.positions.len()).collect::<Vec<_>>(), [3, 3, 3]);
+    // OBJ joins the groups of one name.
+    assert_eq!(names(&model), ["left", "right"]);
+    assert_eq!(keys(&model), ["left", "right"]);
+    assert_eq!(model.meshes.iter().map(|mesh| mesh.positions.len()).collect::<Vec<_>>(), [4, 3]);
+    assert_eq!((&model.meshes[0].faces[..], &model.meshes[0].sources[..]), (&[[0, 1, 2], [3, 0, 1]][..], &[0, 2][..]));
     assert_eq!(model.meshes[1].faces, [[2, 0, 1]]);
     assert_eq!(model.meshes[1].positions.get(2), [9.0; 3]);
 }

@@ -23,12 +23,12 @@ fn checked(path: PathBuf, options: &SceneOptions) -> SceneModel {
     assert_eq!(model.parts.len(), flat.parts.len());
     let triangles: usize = model.parts.iter().map(|part| model.meshes[part.mesh].faces.len()).sum();
     assert_eq!(triangles, flat.faces.len());
-    for text in [|part: &impinge_files::ScenePart| part.name.clone(), |part| part.details.key.clone()] {
-        let mut all: Vec<String> = model.parts.iter().map(text).collect();
-        all.sort();
-        all.dedup();
-        assert_eq!(all.len(), model.parts.len());
-    }
+    let is_unique = |mut texts: Vec<&str>| {
+        texts.sort_unstable();
+        texts.windows(2).all(|pair| pair[0] != pair[1])
+    };
+    assert!(is_unique(model.parts.iter().map(|part| &*part.name).collect()));
+    assert!(is_unique(model.parts.iter().map(|part| &*part.details.key).collect()));
     model
 }
 
