@@ -75,7 +75,7 @@ fn a_part_that_is_mirrored_keeps_its_inside() {
     let flat = Mesh::new(flat.positions, flat.faces).unwrap();
     let probe = |shape: &Shape, at: [f64; 3]| {
         let point = Shape::sphere(at, 1e-3).unwrap();
-        impinge::query::intersects(&shape.at(Pose::IDENTITY).unwrap(), &point.at(Pose::IDENTITY).unwrap())
+        impinge::query::intersects(shape.at(Pose::IDENTITY).unwrap(), point.at(Pose::IDENTITY).unwrap())
     };
     assert!(
         probe(&flat.solid().into(), [-0.05, 0.05, 0.05]),
@@ -105,9 +105,10 @@ fn an_origin_far_away_keeps_micrometers() {
     // Double precision holds 3e-10 at this place, single precision half a meter.
     let far = r#""nodes": [{"children": [1], "translation": [500000, 5400000, 0]},
         {"mesh": 0, "translation": [123.000001, 456.000002, 7.000003]}, {"mesh": 1, "translation": [500000, 5400000, 0]}]"#;
-    let origin = Some([500_000.0, 5_400_000.0, 0.0]);
+    let point = [500_000.0, 5_400_000.0, 0.0];
+    let origin = Some(point);
     let model = parse_text(&document(far), &SceneOptions { origin, ..SceneOptions::default() });
-    assert_eq!(model.origin, origin.unwrap());
+    assert_eq!(model.origin, point);
     let found = model.parts[0].world_from_part.translation();
     let expected = [123.000001, 456.000002, 7.000003];
     assert!((0..3).all(|k| (found[k] - expected[k]).abs() < 1e-8), "{found:?}");
