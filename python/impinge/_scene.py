@@ -331,7 +331,7 @@ class Scene:
         return {(i, j) for i, j in both}
 
     def _of_parts(self, given: Mapping[str, Any] | None, what: str) -> dict[str, Any]:
-        """Return an argument with values for some of the parts, without those that are None."""
+        """Return an argument with values for some of the parts, without values of None."""
         if given is not None and not isinstance(given, Mapping):
             raise InputError(f"must be a mapping, not {type(given).__name__}", kind="type", what=what)
         for name in given or {}:

@@ -10,7 +10,7 @@ from impinge.convert import ConversionError, convert
 
 
 def walls(path):
-    """Writes a model of two walls that share a shape, in UTM coordinates. Returns their GlobalIds."""
+    """Writes two walls that share a shape, in UTM coordinates. Returns their GlobalIds."""
     pytest.importorskip("ifcopenshell", reason="ifcopenshell is not installed")
     from ifcopenshell.api import aggregate, context, geometry, project, root, spatial, unit  # noqa: PLC0415
 
