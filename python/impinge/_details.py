@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class Details:
-    """What a file tells about a part of a scene. No check reads it.
+    """Key, type, path and further properties of a part of a scene. No check reads them.
 
     Attributes
     ----------

@@ -6,7 +6,6 @@ import os
 import warnings
 
 import numpy as np
-
 from numpy.typing import ArrayLike
 
 from impinge import _arrays, _impinge
@@ -191,7 +190,7 @@ def _limits(max_bytes: int | None, max_triangles: int | None) -> dict[str, int |
 
 
 def _warn(path: str, found: list[str], *, is_empty: bool, level: int = 3) -> None:
-    """Warn of skipped content, and of a file without faces, at the caller of the public function."""
+    """Warn of skipped content and of a file without faces, at the caller of the public function."""
     for warning in found:
         warnings.warn(f"{path}: {warning}", LoadWarning, stacklevel=level)
     if is_empty:

@@ -193,7 +193,7 @@ class Scene:
                 message = f"part {name!r} is {type(part).__name__}; pass str names, and impinge.Mesh or impinge.Shape"
                 raise InputError(message, kind="type", what="parts")
         self._poses = {name: _pose(pose, name) for name, pose in self._of_parts(poses, "poses").items()}
-        self._details = self._of_parts(details, "details")
+        self._details: dict[str, Details] = self._of_parts(details, "details")
         for name, about in self._details.items():
             if not isinstance(about, Details):
                 message = f"of part {name!r} are {type(about).__name__}; pass impinge.Details"
@@ -331,7 +331,7 @@ class Scene:
         return {(i, j) for i, j in both}
 
     def _of_parts(self, given: Mapping[str, Any] | None, what: str) -> dict[str, Any]:
-        """Return an argument that has values for some of the parts; those that are None are left out."""
+        """Return an argument with values for some of the parts, without values of None."""
         if given is not None and not isinstance(given, Mapping):
             raise InputError(f"must be a mapping, not {type(given).__name__}", kind="type", what=what)
         for name in given or {}:

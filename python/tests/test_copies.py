@@ -40,7 +40,7 @@ def examples():
     robot = impinge.Character(ROBOT, volumes=2)
     posed = robot.at("Robot_Walking", 0.5, origin=[1, 2, 3])
     ray, rays = [0, 0, -9], [[0, 0, -9]]
-    scene = impinge.Scene({"a": mesh, "b": box}, ignored=[])
+    scene = impinge.Scene({"a": mesh, "b": box}, poses={"b": pose([1, 2, 3])}, ignored=[])
     points = cube()[0]
     loaded = impinge.Mesh.from_baked(mesh.to_baked())
     request, result = fcl.CollisionRequest(9, True), fcl.CollisionResult()
@@ -73,6 +73,7 @@ def examples():
         impinge.convex_hull(points),
         impinge.minimal_sphere(points), impinge.penetration(box, box), impinge.Motion(None, pose([1, 0, 0])),
         impinge.time_of_impact(box, box), impinge.intersecting_pairs(box, box, pose([[0, 0, 0]])), scene,
+        impinge.Details("k", "IfcWall", ("a",), {"b": "c"}),
         scene.check(), Shape.box([1, 2, 3]), caught.value, impinge.LoadWarning("a warning"), impinge.Status.SINGULAR,
         impinge.intersecting_pairs(box, box, limit=3), impinge.fit.obb(points), impinge.fit.capsule(points),
         impinge.fit.lozenge(points), impinge.fit.aabb(points), impinge.fit.kdop(points), *boxes, request, result,

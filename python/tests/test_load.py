@@ -68,7 +68,10 @@ def test_a_scene_has_the_parts_of_a_file(tmp_path):
     twice.write_text(GLTF.replace('"nodes":[{"mesh":0}]', nodes).replace('"nodes":[0]', '"nodes":[0,1,2]'))
     scene = impinge.load_scene(twice, "mm")
     assert list(scene.parts) == ["nut", "nut (2)", "part 2"]
-    assert scene.parts["nut (2)"].vertices[:, 0].max() == 6000
+    assert scene.parts["nut (2)"] is scene.parts["nut"]  # instances share a mesh
+    assert scene.parts["nut (2)"].vertices[:, 0].max() == 1000
+    assert scene.poses["nut (2)"][0, 3] == 5000
+    assert [scene.details(name).key for name in scene.parts] == ["nut", "nut#2", "part"]
     assert scene.check(stop="all").names() == [("nut", "part 2")]
     empty = tmp_path / "empty.off"
     empty.write_text("OFF\n0 0 0\n")
@@ -297,10 +300,14 @@ def test_errors_name_the_broken_file(tmp_path):
         assert str(path) in str(caught.value)
     far = tmp_path / "far.obj"
     far.write_text("v 9 9 9\nv 0 0 0\nv 1e40 0 0\nv 0 1 0\nf 2 3 4\n")
-    for read in (impinge.load, impinge.load_scene):
-        with pytest.raises(impinge.InputError, match="vertex 2 is out of range") as caught:
-            read(far)
-        assert (caught.value.kind, caught.value.what, caught.value.where) == ("out-of-range", str(far), None)
+    with pytest.raises(impinge.InputError, match="vertex 2 is out of range") as caught:
+        impinge.load(far)
+    assert (caught.value.kind, caught.value.what, caught.value.where) == ("out-of-range", str(far), None)
+    with pytest.raises(
+        impinge.InputError, match="vertex 2 has a coordinate that is NaN, infinite or too large"
+    ) as caught:
+        impinge.load_scene(far)
+    assert (caught.value.kind, caught.value.what) == ("non-finite", str(far))
     for wrong in (None, 3, b"\xff"):
         with pytest.raises((TypeError, FileNotFoundError, impinge.InputError)):
             impinge.load(wrong)

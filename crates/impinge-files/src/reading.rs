@@ -84,11 +84,7 @@ impl<'a> Content<'a> {
 
     /// Reads the triangles. Other files that the bytes refer to are read from `folder`, or not at
     /// all if it is `None`. The axes are those of a COLLADA model.
-    pub(crate) fn triangles(
-        &self,
-        (folder, axes): (Option<&Path>, Axes),
-        limits: &Limits,
-    ) -> Result<Model, LoadError> {
+    pub(crate) fn triangles(&self, (folder, axes): (Option<&Path>, Axes), limits: &Limits) -> Result<Model, LoadError> {
         let bytes = &*self.bytes;
         match self.format {
             Format::Obj => obj::read(bytes, limits),

@@ -28,7 +28,10 @@ pub(super) fn instances(
     warnings: &mut Warnings,
     budget: Budget,
 ) -> Result<Vec<Instance>, LoadError> {
-    let mut instances = Vec::new();
+    // Without nodes the number of instances is known; a vector that doubles would take three times
+    // the memory.
+    let known = if document.nodes.is_empty() { document.meshes.len() } else { 0 };
+    let mut instances = Vec::with_capacity(known);
     walk(document, warnings, budget, |instance, _| {
         instances.push(instance);
         Ok(())

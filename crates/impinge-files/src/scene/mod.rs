@@ -1,7 +1,7 @@
 //! Loads the parts of a file as a scene.
 //!
-//! - Parts of glTF share meshes: each mesh is read once, in its own frame, and each node with a mesh
-//!   is a part with a pose, also each instance of `EXT_mesh_gpu_instancing`. A node whose map is no
+//! - Parts of glTF share meshes: each mesh is read once, in its own frame. Each node with a mesh is
+//!   a part with a pose, also each instance of `EXT_mesh_gpu_instancing`. A node whose map is no
 //!   valid pose, because it is flat or beyond the range of poses, has a mesh of its own.
 //! - Of other formats each part that the reader names has a mesh of its own, in the frame of the
 //!   scene.
@@ -15,6 +15,7 @@ mod split;
 use std::path::{Path, PathBuf};
 
 use crate::{
+    collada::Axes,
     error::LoadError,
     format::Format,
     gltf::assembly,
@@ -108,7 +109,7 @@ fn read(
             assembly::read(&content.bytes, content.format, folder, frame(Some(Unit::Meter)), &options.limits)?
         }
         _ => {
-            let model = content.triangles(folder, &options.limits)?;
+            let model = content.triangles((folder, Axes::ZUp), &options.limits)?;
             let frame = frame(model.unit);
             split::by_part(model, frame)?
         }

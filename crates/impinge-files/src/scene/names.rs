@@ -27,7 +27,7 @@ pub(super) struct Names {
     of_node: HashMap<String, usize>,
 }
 
-/// What a file of names tells about a node.
+/// An entry of a file of names: key, type, name and further properties of a node.
 pub(super) struct Element {
     node: String,
     pub(super) key: Option<String>,

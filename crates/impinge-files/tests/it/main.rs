@@ -14,4 +14,5 @@ mod load;
 mod real_files;
 mod rigs;
 mod robots;
+mod scenes;
 mod winding_numbers;

@@ -1,6 +1,7 @@
 //! Details of a part that come from the file of the scene.
 
-/// What a file tells about a part of a scene. All fields may be empty, and no check reads them.
+/// Key, type, path and further properties of a part of a scene. All may be empty, and no check
+/// reads them.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Details {
     /// Identity of the part, which stays the same if the file changes elsewhere, for example an IFC
