@@ -28,7 +28,7 @@ const CRATES: [&str; 9] = [
 ];
 
 /// Modules of `impinge` from the bottom up. Tests are free.
-const MODULES: [&str; 21] = [
+const MODULES: [&str; 22] = [
     "input",
     "budget",
     "storage",
