@@ -51,6 +51,9 @@ impl Cell {
     /// Maximum number of planes, one for each bit of a corner.
     const MAX_PLANES: usize = 64;
 
+    /// Maximum number of corners of a cell that is cut. Rounding adds corners to cells of many planes.
+    const MAX_CORNERS: usize = 64;
+
     /// Returns the cell of a box.
     pub(super) fn cuboid(bounds: &[Vector; 2]) -> Self {
         let plane = |axis: usize, end: usize| {
@@ -104,11 +107,11 @@ impl Cell {
 
     /// Cuts the cell by a plane: returns the cell inside its half-space and the cell beyond. A cell
     /// without corners off the plane by more than the slack is `None`. Returns `None` alone if the
-    /// cell has too many planes to be cut.
+    /// cell has too many planes or corners to be cut.
     pub(super) fn cut(&self, plane: &Plane, slack: f64) -> Option<[Option<Self>; 2]> {
         let used = self.corners.iter().fold(0, |used, corner| used | corner.on);
         let bit = (!used).trailing_zeros() as usize;
-        if bit >= Self::MAX_PLANES {
+        if bit >= Self::MAX_PLANES || self.corners.len() > Self::MAX_CORNERS {
             return None;
         }
         let beyond: Vec<f64> = self.corners().map(|at| plane.beyond(at)).collect();
@@ -137,6 +140,7 @@ impl Cell {
     }
 
     /// Adds the points in which edges cross a plane, given the distances of all corners beyond it.
+    /// Points in one place become one corner, so that their number stays that of the polytope.
     fn push_crossings(&self, corners: &mut Vec<Corner>, beyond: &[f64], (bit, slack): (usize, f64)) {
         for (from, x) in self.corners.iter().zip(beyond).filter(|(_, x)| **x < -slack) {
             for (to, y) in self.corners.iter().zip(beyond).filter(|(_, y)| **y > slack) {
@@ -145,10 +149,11 @@ impl Cell {
                     continue;
                 }
                 let step = scale(&sub(&to.at, &from.at), x / (x - y));
-                let new = Corner { at: add(&from.at, &step), on: common | 1 << bit };
-                let is_known = |old: &Corner| old.on == new.on && squared_distance(&old.at, &new.at) <= slack * slack;
-                if !corners.iter().any(is_known) {
-                    corners.push(new);
+                let (at, on) = (add(&from.at, &step), common | 1 << bit);
+                let is_near = |old: &&mut Corner| squared_distance(&old.at, &at) <= slack * slack;
+                match corners.iter_mut().find(is_near) {
+                    Some(old) => old.on |= on,
+                    None => corners.push(Corner { at, on }),
                 }
             }
         }

@@ -1,37 +1,24 @@
 //! How deep two solids share material, and whether deeper than a threshold.
 //!
-//! `cell` has the convex cells into which the common part is divided, `side` the faces of a solid
+//! `answer` has the interval of a depth. `cell` has the convex cells into which the common part is divided, `side` the faces of a solid
 //! near it, and `search` the search. `solids` prepares both solids. `shapes` has the depth of things
 //! that are not meshes.
 
+mod answer;
 mod cell;
 mod search;
 mod shapes;
 mod side;
 mod solids;
 
-use search::{Found, Goal};
+pub use answer::Depth;
+use search::Goal;
 use solids::Solids;
 
 use super::Query;
 use super::penetrates::Penetrates;
 use super::penetration::solid;
 use super::placed::{Placed, meshes};
-
-/// Depth of the material that two solids share, as a proved interval, with a point that shows it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Depth {
-    /// Lower bound of the depth, in world units: the depth of `point`.
-    pub lower: f64,
-    /// Upper bound of the depth, in world units.
-    pub upper: f64,
-    /// A point in both solids, in the world frame, that has at least the depth `lower`. `None` if
-    /// `lower` is zero.
-    pub point: Option<[f64; 3]>,
-    /// Whether the bounds are proved. They are not if a solid is open: its inside is then known
-    /// only where its winding number was computed.
-    pub is_proved: bool,
-}
 
 /// Computes how much material two solids share: the greatest depth of a common point, which is its
 /// distance from the surface of one of the two solids, whichever is farther.
@@ -63,7 +50,7 @@ pub struct Depth {
 ///
 /// # Accuracy
 /// The true depth lies in `[lower, upper]`, and `point` shows the lower bound (docs/notes/proof.md,
-/// L41). The width is at most 1/1024 of the depth plus about 2^-39 of the size of the solids, unless
+/// L42). The width is at most 1/1024 of the depth plus about 2^-28 of the size of the solids, unless
 /// the number of cells limits it. If one thing is a shape other than a mesh, the upper bound is that
 /// of [`penetration`](super::penetration()), and points near its witnesses show the lower bound. The
 /// two may differ much.
@@ -80,7 +67,7 @@ pub fn depth<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Dept
 /// above `threshold`, in world units. It costs much less than the depth.
 ///
 /// # Accuracy
-/// `Yes` and `No` are proved for closed meshes (docs/notes/proof.md, L41). For an open mesh they
+/// `Yes` and `No` are proved for closed meshes (docs/notes/proof.md, L42). For an open mesh they
 /// follow from winding numbers at the corners of cells, as [`Depth::is_proved`] says. `Undecided` is
 /// returned if the depth differs from the threshold by less than rounding, about 2^-39 of the size
 /// of the solids, or if 16,384 cells do not suffice. With a threshold of zero the question is that
@@ -188,7 +175,10 @@ impl Query<'_> {
             return shapes::depth_of_shapes(&solid(a), &solid(b), budget);
         };
         let goal = Goal { threshold, outside_first: false, measured: [true; 2], max_cells: MAX_CELLS };
-        Solids::new(a, b, true).map_or(Depth::NONE, |solids| solids.search(goal, budget).into())
+        Solids::new(a, b, true).map_or(Depth::NONE, |solids| match threshold {
+            Some(_) => solids.search(goal, budget).into(),
+            None => solids.greatest(goal, budget).into(),
+        })
     }
 
     /// Reports whether a solid is proved to lie inside another, up to a tolerance: no point of
@@ -200,16 +190,5 @@ impl Query<'_> {
         Solids::new(outer, inner, false)
             .filter(|solids| solids.first_box_holds_second(tolerance))
             .is_some_and(|solids| solids.search(goal, self.options.budget).is_within(tolerance))
-    }
-}
-
-impl Depth {
-    /// The depth of two solids that have no common point.
-    const NONE: Self = Self { lower: 0.0, upper: 0.0, point: None, is_proved: true };
-}
-
-impl From<Found> for Depth {
-    fn from(found: Found) -> Self {
-        Self { lower: found.lower, upper: found.upper, point: found.point, is_proved: !found.is_open }
     }
 }

@@ -10,7 +10,7 @@
 //! So parts with common flat walls need as many cells as faces touch, however large the walls are;
 //! cubes would have to be as small as the depth.
 //!
-//! Proof: docs/notes/proof.md, L41. Guarded by `tests/it/solids/depth.rs`. Benchmark: `clash`.
+//! Proof: docs/notes/proof.md, L42. Guarded by `tests/it/solids/depth.rs`. Benchmark: `clash`.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -119,8 +119,15 @@ struct Local {
 }
 
 impl<'s, 'm> Search<'s, 'm> {
-    pub(super) fn new(sides: &'s [Side<'m>; 2], goal: Goal, slack: f64, margin: f64) -> Self {
-        let found = Found { lower: 0.0, upper: f64::INFINITY, point: None, resolution: 16.0 * slack, is_open: false };
+    /// Prepares a search. A point that is known to be deep is the first result.
+    pub(super) fn new(
+        sides: &'s [Side<'m>; 2],
+        goal: Goal,
+        (slack, margin): (f64, f64),
+        known: Option<(f64, Vector)>,
+    ) -> Self {
+        let (lower, point) = known.map_or((0.0, None), |(depth, point)| (depth, Some(point)));
+        let found = Found { lower, upper: f64::INFINITY, point, resolution: 16.0 * slack, is_open: false };
         Self { sides, goal, slack, margin, found, settled: 0.0, heap: BinaryHeap::new(), count: 0 }
     }
 

@@ -4,7 +4,7 @@
 //! of the other. So no common point is deeper than the penetration depth. Points near the deepest
 //! points of the penetration show a lower bound.
 
-use super::Depth;
+use super::answer::Depth;
 use crate::budget::Budget;
 use crate::math::Pose;
 use crate::math::vec3::{Vector, add, scale, sub};

@@ -14,6 +14,19 @@ pub(super) struct Solids<'m> {
     boxes: [[Vector; 2]; 2],
 }
 
+/// The answer about solids whose boxes have no common point.
+const NOTHING: Found = Found { lower: 0.0, upper: 0.0, point: None, resolution: 0.0, is_open: false };
+
+/// Ratio of each threshold to the one before, in the search for the greatest depth.
+const STEP: f64 = 1.0 / 32.0;
+
+/// Smallest threshold in units of the resolution. Cells along faces must be much thicker than
+/// rounding, or rounding adds corners to them.
+const SMALLEST: f64 = 64.0;
+
+/// Maximum number of thresholds.
+const STEPS: i32 = 8;
+
 /// Number of vertices up to which the box of a mesh is that of its vertices in the world, which is
 /// smaller than the box of a turned box.
 const MAX_VERTICES: usize = 4096;
@@ -59,16 +72,43 @@ impl<'m> Solids<'m> {
 
     /// Searches the goal. The point of the answer is in the world frame.
     pub(super) fn search(&self, goal: Goal, budget: &Budget<'_>) -> Found {
-        const NOTHING: Found = Found { lower: 0.0, upper: 0.0, point: None, resolution: 0.0, is_open: false };
+        self.search_from(goal, None, budget)
+    }
+
+    /// Searches the greatest depth. A search with a threshold costs less the larger the threshold
+    /// is. So thresholds fall until a point is deeper, and the last search starts from that point.
+    pub(super) fn greatest(&self, goal: Goal, budget: &Budget<'_>) -> Found {
+        let Some([low, high]) = self.region(&goal) else { return NOTHING };
+        let size = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+        let mut shallow = Found { upper: f64::INFINITY, ..NOTHING };
+        for step in 1..=STEPS {
+            let threshold = size * STEP.powi(step);
+            let found = self.search_from(Goal { threshold: Some(threshold), ..goal }, None, budget);
+            if let (true, Some(point)) = (found.lower > threshold, found.point) {
+                let last = self.search_from(goal, Some((found.lower, point)), budget);
+                let is_open = last.is_open || found.is_open;
+                return Found { upper: last.upper.min(shallow.upper), is_open, ..last };
+            }
+            // A tie leaves the bound of the threshold before.
+            shallow = Found { upper: found.upper.min(shallow.upper), ..found };
+            if threshold * STEP < SMALLEST * found.resolution || budget.is_spent() {
+                break;
+            }
+        }
+        shallow
+    }
+
+    fn search_from(&self, goal: Goal, known: Option<(f64, Vector)>, budget: &Budget<'_>) -> Found {
         let Some(region) = self.region(&goal) else { return NOTHING };
         let origin: Vector = std::array::from_fn(|axis| 0.5 * region[0][axis] + 0.5 * region[1][axis]);
         let slack = self.slack(&origin);
         // A face beyond the margin is farther than any depth that decides.
-        let margin = goal.threshold.map_or(f64::INFINITY, |threshold| 2.0 * threshold).min(self.inradius_bound(&goal))
-            + 64.0 * slack;
+        let range = goal.threshold.map_or(f64::INFINITY, |threshold| 2.0 * threshold);
+        let margin = range.min(self.inradius_bound(&goal)) + 64.0 * slack;
         let local = region.map(|corner| sub(&corner, &origin));
         let sides = self.placed.map(|placed| Side::new(placed, origin, &local, margin));
-        let found = Search::new(&sides, goal, slack, margin).run(&local, budget);
+        let known = known.map(|(depth, point)| (depth, sub(&point, &origin)));
+        let found = Search::new(&sides, goal, (slack, margin), known).run(&local, budget);
         Found { point: found.point.map(|point| add(&point, &origin)), ..found }
     }
 
