@@ -366,7 +366,7 @@ def _numbers(rows: Any, width: int) -> NDArray[np.float64]:
 
 
 def _written(text: str, path: str | os.PathLike[str] | None) -> str:
-    """Return a text, after it is written to a file if there is a path."""
+    """Return a text. If there is a path, write it to that file first."""
     if path is not None:
         Path(path_of(path, "path")).write_text(text, encoding="utf-8", newline="")
     return text

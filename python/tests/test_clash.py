@@ -3,13 +3,14 @@
 import csv
 import io
 import json
+import subprocess
+import sys
 
 import impinge
 import numpy as np
 import pytest
 from impinge import pose
-
-from .shapes import cube
+from shapes import cube
 
 CUBE = impinge.Mesh(*cube())
 
@@ -82,6 +83,7 @@ def test_arrays_have_one_row_for_each_clash():
     assert np.isnan(report.depth[2]).all()
     assert np.isnan(report.gap[:2]).all()
     assert tuple(report.depth[0]) == report[0].depth
+    assert report.box[0].tolist() == [list(corner) for corner in report[0].box]
     assert (np.abs(report.point[0]) <= 0.5).all()
     frame = report.frame()
     assert {len(column) for column in frame.values()} == {3}
@@ -181,13 +183,41 @@ def test_pairs_that_a_scene_ignores_are_not_checked():
     assert len(impinge.clash(scene)) == 0
 
 
-def test_lengths_may_have_the_unit_of_the_file(tmp_path):
+def write_two(path):
+    """Writes two cubes that overlap by 0.002."""
     vertices, faces = cube()
     lines = []
     for number, x in enumerate((0, 0.998)):
         lines += [f"o part{number}", *(f"v {a + x} {b} {c}" for a, b, c in vertices)]
         lines += ["f " + " ".join(str(corner + 1 + 8 * number) for corner in face) for face in faces]
-    (tmp_path / "two.obj").write_text("\n".join(lines))
+    path.write_text("\n".join(lines))
+
+
+def test_the_command_has_the_same_answer(tmp_path):
+    write_two(tmp_path / "two.obj")
+    command = [
+        sys.executable,
+        "-m",
+        "impinge",
+        "clash",
+        str(tmp_path / "two.obj"),
+        "--unit",
+        "m",
+        "--json",
+        "--contacts",
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 1, done.stderr
+    found = json.loads(done.stdout)
+    report = impinge.clash({"two": impinge.load_scene(tmp_path / "two.obj", "m")}, contacts=True)
+    own = json.loads(report.to_json())
+    assert len(report) == 1
+    assert found["scenes"][0].pop("file").endswith("two.obj")
+    assert found == own
+
+
+def test_lengths_may_have_the_unit_of_the_file(tmp_path):
+    write_two(tmp_path / "two.obj")
     meters = impinge.load_scene(tmp_path / "two.obj", "m")
     assert len(impinge.clash(meters)) == len(impinge.clash(meters, tolerance="1mm")) == 1
     assert len(impinge.clash(meters, tolerance="3mm")) == len(impinge.clash(meters, tolerance=0.003)) == 0

@@ -4,8 +4,7 @@ import impinge
 import numpy as np
 import pytest
 from impinge import pose
-
-from .shapes import cube
+from shapes import cube
 
 UNIT = impinge.Mesh(*cube())
 

@@ -38,7 +38,7 @@ pub(crate) enum LengthOption {
 /// A file as Python passes it.
 #[derive(FromPyObject)]
 pub(crate) enum Source {
-    /// Its path.
+    /// The path of a file.
     Path(String),
     /// The content of a file, in a list of one text.
     Content([String; 1]),
