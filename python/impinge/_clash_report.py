@@ -244,7 +244,7 @@ class ClashReport:
 
     @property
     def box(self) -> NDArray[np.float64]:
-        """Lower and upper corner of the box of each clash, (k, 2, 3); NaN if a part is unbounded."""
+        """Lower and upper corner of the box of each clash, (k, 2, 3); NaN for unbounded parts."""
         flat = (None if each.box is None else each.box[0] + each.box[1] for each in self)
         return _numbers(flat, 6).reshape(-1, 2, 3)
 
