@@ -14,8 +14,11 @@ collision part of python-fcl.
 from impinge import ccd, cluster, fit, partition
 from impinge._character import Animation, Character, Leaks, Part
 from impinge._character_pose import CharacterPose, PartHit, PartHits, PartPairs, SurfaceHit
+from impinge._clash import clash
+from impinge._clash_report import Clash, ClashDiff, ClashDuplicates, ClashGroup, ClashPart, ClashReport
 from impinge._contacts import ContactRows, Contacts, contacts
 from impinge._decomposition import ConvexPart, ConvexParts
+from impinge._depth import Depth, deeper, depth
 from impinge._details import Details
 from impinge._distances import Distance, distance, within
 from impinge._errors import InputError, LoadWarning, Status
@@ -71,11 +74,18 @@ __all__ = [
     "BodyRayHits",
     "Character",
     "CharacterPose",
+    "Clash",
+    "ClashDiff",
+    "ClashDuplicates",
+    "ClashGroup",
+    "ClashPart",
+    "ClashReport",
     "ClosestPoint",
     "ContactRows",
     "Contacts",
     "ConvexPart",
     "ConvexParts",
+    "Depth",
     "Details",
     "Distance",
     "Health",
@@ -115,9 +125,12 @@ __all__ = [
     "WorldState",
     "__version__",
     "ccd",
+    "clash",
     "cluster",
     "contacts",
     "convex_hull",
+    "deeper",
+    "depth",
     "distance",
     "fit",
     "intersecting_pairs",

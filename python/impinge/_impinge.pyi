@@ -36,12 +36,15 @@ __all__ = [
     "box_pairs",
     "check_pairs",
     "check_scene",
+    "clash",
     "closest_point",
     "closing_tolerance",
     "contacts_of",
     "contains",
     "convex_hull",
     "convex_parts",
+    "deeper",
+    "depth",
     "distance",
     "edge_edge",
     "face_normals",
@@ -410,6 +413,8 @@ def intersection_curves(question: _Question) -> Any: ...
 def distance(question: _Question) -> Any: ...
 def within(question: _Question, clearance: float) -> Any: ...
 def penetration(question: _Question) -> Any: ...
+def depth(question: _Question) -> Any: ...
+def deeper(question: _Question, threshold: float) -> Any: ...
 def contacts_of(question: _Question, margin: float, most_points: int) -> Any: ...
 def fcl_collide(a: ObjectBase, b: ObjectBase, limit: Any, details: bool) -> list[tuple[Any, ...]] | None: ...
 def fcl_distance(a: ObjectBase, b: ObjectBase, is_signed: bool, details: bool) -> tuple[float, int, int, Any]: ...
@@ -431,6 +436,14 @@ def robot_check(
     ignored: list[tuple[int, int]],
     progress: bool,
 ) -> tuple[NDArray[np.int64], NDArray[np.uint32], NDArray[np.bool_]]: ...
+def clash(
+    scenes: list[tuple[str, list[Any], list[tuple[int, int]]]],
+    unit: str | None,
+    lengths: tuple[float | str | None, float | str | None],
+    flags: tuple[bool, bool],
+    files: tuple[list[str] | str | None, list[str] | str | None],
+    progress: bool,
+) -> dict[str, Any]: ...
 def check_scene(
     parts: list[tuple[str, Any, bool, Any]],
     ignored: list[tuple[int, int]],

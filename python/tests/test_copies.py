@@ -59,7 +59,10 @@ def examples():
     with pytest.raises(impinge.InputError) as caught:
         impinge.Mesh([[0, 0, 0]], [[0, 1, 2]])
     gantry = impinge.Robot.load(ROBOT.parent / "robots" / "gantry.urdf")
+    crossing = impinge.Scene({"a": box, "b": box, "c": box}, poses={"c": pose([0.5, 0, 0])})
+    clashes = impinge.clash(crossing)
     made = [
+        clashes, clashes[0], clashes[0].a, clashes.duplicates[0], clashes.groups()[0], clashes.diff(clashes),
         gantry, gantry.check(np.zeros((2, 5))), impinge.Joint("a", "b", "c"),
         mesh, world, balls, step, step.work, world.save(), world.ray_cast(ray, [0, 0, 1]), robot, posed,
         world.nearest(box), world.shape_cast(box, impinge.Motion(None, None)),
@@ -71,7 +74,8 @@ def examples():
         mesh.closest_point(ray), mesh.ray_cast(ray, ray), mesh.ray_cast_all(rays, ray), mesh.health(),
         mesh.tree_statistics(), mesh.repaired(orient=True)[1], loaded.origin, impinge.distance(mesh, box),
         impinge.convex_hull(points),
-        impinge.minimal_sphere(points), impinge.penetration(box, box), impinge.Motion(None, pose([1, 0, 0])),
+        impinge.minimal_sphere(points), impinge.penetration(box, box), impinge.depth(box, box),
+        impinge.Motion(None, pose([1, 0, 0])),
         impinge.time_of_impact(box, box), impinge.intersecting_pairs(box, box, pose([[0, 0, 0]])), scene,
         impinge.Details("k", "IfcWall", ("a",), {"b": "c"}),
         scene.check(), Shape.box([1, 2, 3]), caught.value, impinge.LoadWarning("a warning"), impinge.Status.SINGULAR,

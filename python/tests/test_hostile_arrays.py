@@ -69,6 +69,9 @@ TAKERS = {
     "ccd.vertex_face": ((4, 3), lambda x: impinge.ccd.vertex_face(x, x)),
     "contacts": ((4, 4), lambda x: impinge.contacts(SHAPE, SHAPE, x)),
     "convex_hull": ((8, 3), impinge.convex_hull),
+    "deeper": ((4, 4), lambda x: impinge.deeper(MESH, MESH, 0.1, x)),
+    "deeper.threshold": ((), lambda x: impinge.deeper(MESH, SHAPE, x)),
+    "depth": ((4, 4), lambda x: impinge.depth(MESH, MESH, x)),
     "distance": ((4, 4), lambda x: impinge.distance(MESH, SHAPE, x)),
     "fit.obb": ((8, 3), impinge.fit.obb),
     "intersecting_pairs": ((4, 4), lambda x: impinge.intersecting_pairs(MESH, MESH, x)),
@@ -84,7 +87,16 @@ TAKERS = {
 }
 
 # Functions of the package that take no arrays of numbers, or only those of functions above.
-WITHOUT_ARRAYS = {"limit", "load", "load_scene", "self_intersecting_pairs", "show", "threads", "time_of_impact"}
+WITHOUT_ARRAYS = {
+    "clash",
+    "limit",
+    "load",
+    "load_scene",
+    "self_intersecting_pairs",
+    "show",
+    "threads",
+    "time_of_impact",
+}
 
 SHAPES = [(), (0,), (1,), (3,), (4,), (0, 3), (1, 3), (2, 3), (8, 3), (3, 3), (4, 3), (4, 4), (0, 4, 4), (2, 4, 4)]
 

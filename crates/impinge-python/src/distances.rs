@@ -1,7 +1,7 @@
-//! How far apart two things are, whether they keep a clearance, and how deep they are in each
-//! other.
+//! How far apart two things are, whether they keep a clearance, how deep they are in each other, and
+//! how much material they share.
 
-use impinge::query::{Distance, Penetration, Witness};
+use impinge::query::{Deeper, Depth, Distance, Penetration, Witness};
 use pyo3::prelude::*;
 
 use crate::arrays::{array, row_array};
@@ -72,4 +72,26 @@ pub(crate) fn penetration(py: Python<'_>, question: Question) -> PyResult<Bound<
         );
         Ok(columns.into_pyobject(py)?.into_any())
     })
+}
+
+/// Returns how much material two things share as three columns in the world frame: lower and upper
+/// bound of the depth, (...), and a point that has the lower bound, (..., 3). The point is zero if
+/// the lower bound is.
+#[pyfunction]
+pub(crate) fn depth(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
+    let replies = question.that_may_take_long().ask(py, Search::Whole, |batch| batch.depth())?;
+    replies.returned(py, |values, shape| {
+        let numbers = |number: fn(&Depth) -> f64| array(py, values.iter().map(number).collect(), shape);
+        let points = values.iter().map(|found| found.point.unwrap_or_default()).collect();
+        let columns = (numbers(|found| found.lower)?, numbers(|found| found.upper)?, row_array(py, points, shape)?);
+        Ok(columns.into_pyobject(py)?.into_any())
+    })
+}
+
+/// Reports whether two things share material deeper than `threshold`, in world units and at least
+/// zero: one `bool` without leading axes, or an array. An undecided answer counts as `True`.
+#[pyfunction]
+pub(crate) fn deeper(py: Python<'_>, question: Question, threshold: f64) -> PyResult<Bound<'_, PyAny>> {
+    let replies = question.ask(py, Search::AllThreads, move |batch| batch.deeper(threshold))?;
+    yes_or_no(py, replies.map(Deeper::possibly))
 }

@@ -119,10 +119,27 @@ pub(crate) fn load_error(py: Python<'_>, error: &LoadError) -> PyErr {
     if let LoadErrorKind::NotAFile { .. } = error.kind() {
         return PyOSError::new_err(error.to_string());
     }
-    let place = match error.place().map(ToString::to_string).into_pyobject(py) {
+    content_error(py, &error.path().display().to_string(), error)
+}
+
+/// Returns the exception for invalid content that an argument has.
+pub(crate) fn content_error(py: Python<'_>, argument: &str, error: &LoadError) -> PyErr {
+    let place = error.place().map(ToString::to_string);
+    error_at(py, error.kind().name(), argument, place, &error.kind().to_string(), error.hint())
+}
+
+/// Returns the exception for an error at a place in a file or a text, such as a line.
+pub(crate) fn error_at(
+    py: Python<'_>,
+    kind: &str,
+    what: &str,
+    place: Option<String>,
+    message: &str,
+    hint: Option<&str>,
+) -> PyErr {
+    let place = match place.into_pyobject(py) {
         Ok(place) => place,
         Err(impossible) => match impossible {},
     };
-    let path = error.path().display().to_string();
-    raise(py, error.kind().name(), &path, &place, &error.kind().to_string(), error.hint())
+    raise(py, kind, what, &place, message, hint)
 }

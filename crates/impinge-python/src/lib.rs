@@ -6,6 +6,7 @@ mod box_forms;
 mod boxes;
 mod character;
 mod character_pose;
+mod clash;
 mod command;
 mod contacts;
 mod decomposition;
@@ -62,13 +63,15 @@ mod _impinge {
     #[pymodule_export]
     use super::character_pose::PosedCore;
     #[pymodule_export]
+    use super::clash::clash;
+    #[pymodule_export]
     use super::command::run_command;
     #[pymodule_export]
     use super::decomposition::convex_parts;
     #[pymodule_export]
     use super::deforming::DeformingCore;
     #[pymodule_export]
-    use super::distances::{distance, penetration, within};
+    use super::distances::{deeper, depth, distance, penetration, within};
     #[pymodule_export]
     use super::fcl_contacts::fcl_collide;
     #[pymodule_export]

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::decades::Decades;
-use super::groups::Group;
+use super::groups::{Group, Grouping, groups};
 use super::identity::identity;
 use super::kinds::{Kind, Why};
 use super::sides::Member;
@@ -139,6 +139,13 @@ impl Report {
         let is_accepted = |status| status == Status::Approved;
         self.clashes.iter().all(|clash| clash.kind == Kind::Contact || is_accepted(clash.status))
             && self.duplicates.iter().all(|set| is_accepted(set.status))
+    }
+
+    /// Returns the clashes in groups of any kind. [`groups`](Self::groups) has those of the search.
+    #[must_use]
+    pub fn grouped(&self, grouping: Grouping) -> Vec<Group> {
+        let pairs: Vec<_> = self.clashes.iter().map(|clash| [&clash.a, &clash.b]).collect();
+        groups(&pairs, grouping)
     }
 
     /// Returns the number of clashes and duplicate sets with a status.

@@ -10,8 +10,8 @@ use super::side::Side;
 use crate::budget::Stopped;
 use crate::query::penetration::solid;
 use crate::query::{
-    Cache, ContactOptions, Curves, Distance, LimitedPairs, Manifold, Penetrates, Penetration, Placed, Proximity, Query,
-    nearness, proximity,
+    Cache, ContactOptions, Curves, Deeper, Depth, Distance, LimitedPairs, Manifold, Penetrates, Penetration, Placed,
+    Proximity, Query, nearness, proximity,
 };
 use crate::shape::Shape;
 
@@ -180,6 +180,31 @@ impl<'e> Batch<'e> {
             (found, may_touch && proximity(solid(&a), solid(&b)) == Proximity::Undecided)
         })?;
         Ok(answers.mark_undecided(|found| found.1).map(|found| found.0))
+    }
+
+    /// Returns [`depth`](crate::query::depth()) of the two things for each row. For a row with an
+    /// invalid pose the bounds are zero and infinity, which proves nothing: check the status of the
+    /// row.
+    ///
+    /// # Errors
+    /// As for [`each`](Self::each).
+    pub fn depth(&self) -> Result<Answers<Depth>, Stopped> {
+        const UNKNOWN: Depth = Depth { lower: 0.0, upper: f64::INFINITY, point: None, is_proved: false };
+        let answers = self.each(UNKNOWN, |query, a, b| query.depth(a, b))?;
+        Ok(answers.mark_undecided(|found| !found.is_proved))
+    }
+
+    /// Returns [`deeper`](crate::query::deeper()) of the two things for each row, with a threshold
+    /// in world units. A row with an invalid pose gets `Undecided`.
+    ///
+    /// # Errors
+    /// As for [`each`](Self::each).
+    ///
+    /// # Panics
+    /// If `threshold` is negative or NaN.
+    pub fn deeper(&self, threshold: f64) -> Result<Answers<Deeper>, Stopped> {
+        let answers = self.each(Deeper::Undecided, |query, a, b| query.deeper(a, b, threshold))?;
+        Ok(answers.mark_undecided(|&found| found == Deeper::Undecided))
     }
 
     /// Returns [`contacts`](crate::query::contacts()) of the two things for each row, with these

@@ -183,7 +183,7 @@ impl Query<'_> {
 
     /// Reports whether a solid is proved to lie inside another, up to a tolerance: no point of
     /// `inner` is farther than the tolerance outside of `outer`. Only meshes are compared.
-    pub(crate) fn is_inside(self, inner: &Placed<'_>, outer: &Placed<'_>, tolerance: f64) -> bool {
+    pub(crate) fn is_inside(&self, inner: &Placed<'_>, outer: &Placed<'_>, tolerance: f64) -> bool {
         let Some([outer, inner]) = meshes(outer, inner) else { return false };
         let goal =
             Goal { threshold: Some(tolerance), outside_first: true, measured: [true, false], max_cells: MAX_CELLS };

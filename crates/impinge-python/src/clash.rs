@@ -1,0 +1,281 @@
+//! Clash detection over scenes. The answer is the JSON and the CSV report, and what they lack.
+
+use std::sync::Arc;
+
+use impinge::Budget;
+use impinge::clash::{
+    ClashError, Counts, Grouping, Job, Options, Previous, Report, Shared, Side, default_tolerance, find,
+};
+use impinge::query::batch::Execution;
+use impinge::scene::{Details, PartId, Scene, SceneError};
+use impinge_files::{
+    Asked, Length, Limits, LoadError, ReportAbout, RulesFile, RulesFormat, SceneAbout, Unit, length_text,
+    load_previous, load_rules, parse_previous, parse_rules, write_clash_csv, write_clash_json,
+};
+use pyo3::prelude::*;
+
+use crate::errors::{Fault, content_error, error_at, load_error};
+use crate::model::unit_of;
+use crate::poses;
+use crate::question::Progress;
+use crate::shapes::read_shape;
+use crate::workers::{self, Call};
+
+/// A part as Python passes it: its name, its mesh or shape, its pose, and its key, type and path.
+type Part<'py> = (String, Bound<'py, PyAny>, Bound<'py, PyAny>, (String, String, Vec<String>));
+
+/// A scene as Python passes it: its label, its parts, and pairs of indices of parts that are
+/// ignored.
+type Labeled<'py> = (String, Vec<Part<'py>>, Vec<(usize, usize)>);
+
+/// A length as Python passes it: in the unit of the scenes, or a text that may have a unit.
+#[derive(FromPyObject)]
+pub(crate) enum LengthOption {
+    Number(f64),
+    Text(String),
+}
+
+/// A file as Python passes it.
+#[derive(FromPyObject)]
+pub(crate) enum Source {
+    /// The path of a file.
+    Path(String),
+    /// The content of a file, in a list of one text.
+    Content([String; 1]),
+}
+
+/// A question about some scenes.
+struct Search {
+    scenes: Vec<(String, Scene)>,
+    unit: Option<Unit>,
+    tolerance: Option<f64>,
+    /// The question. Its tolerance is that of the option or of the rules, if there is one.
+    asked: Asked,
+    rules: Option<RulesFile>,
+    previous: Option<Previous>,
+}
+
+/// The answer, as Python keeps it.
+#[derive(IntoPyObject)]
+struct Found {
+    json: String,
+    csv: String,
+    /// Number of pairs of each kind.
+    counts: Vec<(&'static str, usize)>,
+    /// A sentence about each clash.
+    sentences: Vec<String>,
+    /// Groups by part, by type and by scene.
+    groups: Vec<(&'static str, Vec<GroupRow>)>,
+}
+
+/// A group: the names that its clashes share, the indices of the clashes, and a sentence.
+type GroupRow = (Vec<String>, Vec<usize>, String);
+
+/// Finds the clashes of some scenes. `lengths` are the tolerance and the clearance, and `flags` say
+/// whether only parts of different scenes are compared, and whether contacts are listed.
+#[pyfunction]
+pub(crate) fn clash<'py>(
+    py: Python<'py>,
+    scenes: Vec<Labeled<'py>>,
+    unit: Option<&str>,
+    lengths: (Option<LengthOption>, Option<LengthOption>),
+    flags: (bool, bool),
+    files: (Option<Source>, Option<Source>),
+    progress: Progress,
+) -> PyResult<Bound<'py, PyAny>> {
+    let Progress(progress) = progress;
+    let unit = unit_of(py, unit)?;
+    let scenes = scenes.into_iter().map(|labeled| scene(py, labeled)).collect::<PyResult<Vec<_>>>()?;
+    let (tolerance, clearance) = lengths;
+    let (between, contacts) = flags;
+    let (rules, previous) = files;
+    let path = |source: &Option<Source>| match source {
+        Some(Source::Path(path)) => Some(path.clone()),
+        _ => None,
+    };
+    let stated = [path(&rules), path(&previous)];
+    let rules = rules.map(|source| read_rules(py, &source, unit)).transpose()?;
+    let previous = previous.map(|source| read_previous(py, &source, unit)).transpose()?;
+    let of_rules = |length: fn(&RulesFile) -> Option<f64>| rules.as_ref().and_then(length);
+    let tolerance = read_length(py, tolerance, "tolerance", unit)?.or(of_rules(|rules| rules.tolerance));
+    let clearance = read_length(py, clearance, "clearance", unit)?.or(of_rules(|rules| rules.clearance));
+    let [rules_path, previous_path] = stated;
+    let asked = Asked {
+        default_tolerance: tolerance.is_none(),
+        clearance,
+        contacts,
+        between,
+        rules: rules_path,
+        previous: previous_path,
+        ..Asked::default()
+    };
+    let search = Arc::new(Search { scenes, unit, tolerance, asked, rules, previous });
+    let rows = if progress { count(py, &search)? } else { 0 };
+    let asking = Arc::clone(&search);
+    let work = move |execution: Execution<'_>| match asking.found(execution) {
+        Err(ClashError::Stopped(stopped)) => Err(stopped),
+        found => Ok(found),
+    };
+    let call = Call { rows, is_brief: false, progress };
+    let (found, stopped) = workers::execute(py, call, work)?;
+    let found = found.map_err(|error| search.raised(py, error))?;
+    match stopped {
+        Some(stopped) => Err(crate::limits::raised(stopped)),
+        None => Ok(found.into_pyobject(py)?.into_any()),
+    }
+}
+
+/// Returns the number of pairs that the search compares.
+fn count(py: Python<'_>, search: &Arc<Search>) -> PyResult<usize> {
+    let asking = Arc::clone(search);
+    let counted = workers::run(py, move |budget| asking.candidates(budget))?;
+    counted.map_err(|error| search.raised(py, error))
+}
+
+fn scene(py: Python<'_>, (label, parts, ignored): Labeled<'_>) -> PyResult<(String, Scene)> {
+    let mut scene = Scene::new();
+    for (name, thing, given, (key, kind, path)) in parts {
+        let argument = format!("poses[{name:?}]");
+        let pose = poses::read_one(&given, &argument, "a part has one pose, (4, 4)")?;
+        let added = scene.add(name.clone(), &read_shape(&thing, &name, true)?.shape, pose);
+        let part = added.map_err(|error| match error {
+            SceneError::Pose { error, .. } => poses::fault(&error, &argument, Vec::new()).raised(py),
+            _ => Fault::new("name", "scenes", error.to_string()).raised(py),
+        })?;
+        scene.set_details(part, Details { key, kind, path, extras: Vec::new() });
+    }
+    let ids: Vec<PartId> = scene.parts().collect();
+    for (a, b) in ignored {
+        scene.ignore(ids[a], ids[b]);
+    }
+    Ok((label, scene))
+}
+
+fn read_length(py: Python<'_>, option: Option<LengthOption>, name: &str, unit: Option<Unit>) -> PyResult<Option<f64>> {
+    let text = match option {
+        None => return Ok(None),
+        Some(LengthOption::Number(number)) => return Ok(Some(number)),
+        Some(LengthOption::Text(text)) => text,
+    };
+    let invalid = |kind, message: String| Fault::new(kind, name, message);
+    let length: Length = text.parse().map_err(|error| invalid("option", format!("{text:?}: {error}")).raised(py))?;
+    let in_unit = length.in_unit(unit).ok_or_else(|| {
+        let message = format!("{length} has a unit, but the scenes state none");
+        invalid("unit", message).hint(Some("pass unit= to load_scene, or a number")).raised(py)
+    });
+    in_unit.map(Some)
+}
+
+fn read_rules(py: Python<'_>, source: &Source, unit: Option<Unit>) -> PyResult<RulesFile> {
+    match source {
+        Source::Path(path) => load_rules(path, unit, &Limits::default()).map_err(|error| load_error(py, &error)),
+        Source::Content([text]) => {
+            let rules = parse_rules(text.as_bytes(), RulesFormat::Toml, unit);
+            rules.map_err(|error| content_error(py, "rules", &error))
+        }
+    }
+}
+
+fn read_previous(py: Python<'_>, source: &Source, unit: Option<Unit>) -> PyResult<Previous> {
+    let content = |error: LoadError| content_error(py, "previous", &error);
+    match source {
+        Source::Path(path) => load_previous(path, unit, &Limits::default()).map_err(|error| load_error(py, &error)),
+        Source::Content([text]) => parse_previous(text.as_bytes(), unit).map_err(content),
+    }
+}
+
+impl Search {
+    fn sides(&self) -> Vec<Side<'_>> {
+        self.scenes.iter().map(|(label, scene)| Side { label: label.clone(), scene }).collect()
+    }
+
+    fn options(&self, sides: &[Side<'_>]) -> Options<'_> {
+        let tolerance = self.tolerance.unwrap_or_else(|| default_tolerance(sides, self.unit.map(Unit::meters)));
+        let Asked { clearance, contacts, between, .. } = self.asked;
+        let rules = self.rules.as_ref().map(|file| &file.rules);
+        Options { clearance, contacts, between, rules, previous: self.previous.as_ref(), ..Options::new(tolerance) }
+    }
+
+    fn candidates(&self, budget: &Budget<'_>) -> Result<usize, ClashError> {
+        let sides = self.sides();
+        Ok(Job::new(&sides, self.options(&sides), budget)?.candidates())
+    }
+
+    fn found(&self, execution: Execution<'_>) -> Result<Found, ClashError> {
+        let sides = self.sides();
+        let options = self.options(&sides);
+        let report = find(&sides, options, execution)?;
+        let about = ReportAbout {
+            unit: self.unit,
+            scenes: self.scenes.iter().map(|(label, scene)| self.about(label, scene)).collect(),
+            asked: Asked { tolerance: options.tolerance, ..self.asked.clone() },
+            rules: options.rules,
+        };
+        let (mut json, mut csv) = (Vec::new(), Vec::new());
+        // Writing to a list of bytes cannot fail, and both reports are UTF-8.
+        let _ = write_clash_json(&mut json, &report, &about, env!("CARGO_PKG_VERSION"));
+        let _ = write_clash_csv(&mut csv, &report, &about);
+        let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+        let length = |x: f64| length_text(x, self.unit);
+        let groups = [("part", Grouping::Part), ("type", Grouping::Type), ("scene", Grouping::Scene)];
+        Ok(Found {
+            json: text(json),
+            csv: text(csv),
+            counts: counts(&report.counts),
+            sentences: report.clashes.iter().map(|clash| clash.sentence(&length)).collect(),
+            groups: groups.map(|(name, grouping)| (name, group_rows(&report, grouping, &length))).into(),
+        })
+    }
+
+    fn about(&self, label: &str, scene: &Scene) -> SceneAbout {
+        SceneAbout { unit: self.unit.map(Unit::symbol), ..SceneAbout::new(label, scene) }
+    }
+
+    fn raised(&self, py: Python<'_>, error: ClashError) -> PyErr {
+        let fault = |kind, argument: &str| Fault::new(kind, argument, error.to_string()).raised(py);
+        let in_rules = |kind: &str, line: Option<u64>| {
+            let what = self.asked.rules.as_deref().unwrap_or("rules");
+            error_at(py, kind, what, line.map(|line| format!("line {line}")), &error.to_string(), None)
+        };
+        match &error {
+            ClashError::Label { .. } => fault("name", "scenes"),
+            ClashError::Length { name, .. } => fault("out-of-range", name),
+            ClashError::UnknownSet { .. } => in_rules("name", None),
+            ClashError::EmptySet { set, .. } => {
+                in_rules("empty", self.rules.as_ref().and_then(|rules| rules.line_of_set(set)))
+            }
+            ClashError::Part { error, .. } => poses::fault(error, "scenes", Vec::new()).raised(py),
+            ClashError::Stopped(stopped) => crate::limits::raised(*stopped),
+            _ => fault("input", "scenes"),
+        }
+    }
+}
+
+fn counts(counts: &Counts) -> Vec<(&'static str, usize)> {
+    let Counts { candidates, unchecked, ignored, duplicate, contained, clash, undecided, contact, clearance, clear } =
+        *counts;
+    vec![
+        ("candidates", candidates),
+        ("unchecked", unchecked),
+        ("ignored", ignored),
+        ("duplicate", duplicate),
+        ("contained", contained),
+        ("clash", clash),
+        ("undecided", undecided),
+        ("contact", contact),
+        ("clearance", clearance),
+        ("clear", clear),
+    ]
+}
+
+fn group_rows(report: &Report, grouping: Grouping, length: &dyn Fn(f64) -> String) -> Vec<GroupRow> {
+    let row = |group: impinge::clash::Group| {
+        let sentence = group.sentence(report, length);
+        let shared = match group.by {
+            Shared::Part(member) => vec![member.identity()],
+            Shared::Types(pair) | Shared::Scenes(pair) => pair.into(),
+        };
+        (shared, group.clashes, sentence)
+    };
+    report.grouped(grouping).into_iter().map(row).collect()
+}
