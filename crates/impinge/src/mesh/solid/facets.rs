@@ -4,7 +4,7 @@
 //! A large triangulated wall is one facet. A query that only cares about the wall need not look at
 //! the edges between its triangles.
 //!
-//! Guarded by `tests/it/solids/depth.rs`.
+//! Guarded by `tests/it/clash/cases.rs`.
 
 use crate::math::vec3::{Vector, cross, dot, length, scale, sub};
 use crate::mesh::Mesh;

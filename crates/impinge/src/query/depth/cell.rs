@@ -8,7 +8,7 @@
 //! 1953. Ours departs in keeping pairs of corners that only may be edges: each adds a point that
 //! lies in the cell anyway.
 //!
-//! Guarded by `tests/it/solids/depth.rs`, and by unit tests below.
+//! Guarded by `tests/it/clash/cases.rs`, and by unit tests below.
 
 use crate::math::vec3::{Vector, add, dot, scale, squared_distance, sub};
 

@@ -10,7 +10,7 @@
 //! So parts with common flat walls need as many cells as faces touch, however large the walls are;
 //! cubes would have to be as small as the depth.
 //!
-//! Proof: docs/notes/proof.md, L42. Guarded by `tests/it/solids/depth.rs`. Benchmark: `clash`.
+//! Proof: docs/notes/proof.md, L42. Guarded by `tests/it/clash/cases.rs`.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
