@@ -15,7 +15,8 @@ def test_boxes_on_the_grid_have_the_depth_of_integers():
     found, status = impinge.depth(UNIT, UNIT, None, moved, on_error="status")
     assert found.lower.shape == found.upper.shape == (11, 11, 11)
     assert not status.any()
-    # A common point is farthest from a surface in the middle of the cube, or at an end of the overlap.
+    # A common point is farthest from a surface in the middle of the cube, or at an end of the
+    # overlap.
     overlap = 1 - np.abs(moved[..., :3, 3])
     expected = np.where((overlap > 0).all(-1), np.minimum(0.5, overlap.min(-1)), 0)
     assert (found.lower <= expected).all()

@@ -1,5 +1,5 @@
-//! How far apart two things are, whether they keep a clearance, how deep they are in each other, and
-//! how much material they share.
+//! How far apart two things are, whether they keep a clearance, how deep they are in each other,
+//! and how much material they share.
 
 use impinge::query::{Deeper, Depth, Distance, Penetration, Witness};
 use pyo3::prelude::*;

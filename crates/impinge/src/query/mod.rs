@@ -51,7 +51,8 @@
 //! `placed` has the arguments of a query; `ask`, `cache` and `contact_options` have its options,
 //! and `answer` the answer about a distance. `intersects`, `distance`, `penetration` and
 //! `shapes/contacts` have the queries on any two things. They call `of_meshes` for two meshes, and
-//! `shapes` otherwise. `depth` measures common material. `pairs`, `common_points`, `curves`, `patches`, `nesting`, `penetrates` and
+//! `shapes` otherwise. `depth` measures common material.
+//! `pairs`, `common_points`, `curves`, `patches`, `nesting`, `penetrates` and
 //! `self_intersection` are about meshes. `batch` asks the queries at many poses.
 
 mod answer;

@@ -51,7 +51,8 @@ impl Cell {
     /// Maximum number of planes, one for each bit of a corner.
     const MAX_PLANES: usize = 64;
 
-    /// Maximum number of corners of a cell that is cut. Rounding adds corners to cells of many planes.
+    /// Maximum number of corners of a cell that is cut. Rounding adds corners to cells of many
+    /// planes.
     const MAX_CORNERS: usize = 64;
 
     /// Returns the cell of a box.

@@ -1,11 +1,14 @@
 //! How deep two solids share material, and whether deeper than a threshold.
 //!
-//! `answer` has the interval of a depth. `cell` has the convex cells into which the common part is divided, `side` the faces of a solid
-//! near it, and `search` the search. `solids` prepares both solids. `shapes` has the depth of things
-//! that are not meshes.
+//! `answer` has the interval of a depth. `cell` has the convex cells into which the common part is
+//! divided, `side` the faces of a solid near it, `piece` a cell with its faces, `divide` where
+//! cells are cut, and `search` the search. `solids` prepares both solids. `shapes` has the depth of
+//! things that are not meshes.
 
 mod answer;
 mod cell;
+mod divide;
+mod piece;
 mod search;
 mod shapes;
 mod side;
@@ -50,10 +53,10 @@ use super::placed::{Placed, meshes};
 ///
 /// # Accuracy
 /// The true depth lies in `[lower, upper]`, and `point` shows the lower bound (docs/notes/proof.md,
-/// L42). The width is at most 1/1024 of the depth plus about 2^-28 of the size of the solids, unless
-/// the number of cells limits it. If one thing is a shape other than a mesh, the upper bound is that
-/// of [`penetration`](super::penetration()), and points near its witnesses show the lower bound. The
-/// two may differ much.
+/// L42). The width is at most 1/1024 of the depth plus about 2^-28 of the size of the solids,
+/// unless the number of cells limits it. If one thing is a shape other than a mesh, the upper bound
+/// is that of [`penetration`](super::penetration()), and points near its witnesses show the lower
+/// bound. The two may differ much.
 ///
 /// # Complexity
 /// Grows with the number of faces of both solids near their common part. At most 16,384 cells, each
@@ -68,10 +71,10 @@ pub fn depth<'a, 'b>(a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Dept
 ///
 /// # Accuracy
 /// `Yes` and `No` are proved for closed meshes (docs/notes/proof.md, L42). For an open mesh they
-/// follow from winding numbers at the corners of cells, as [`Depth::is_proved`] says. `Undecided` is
-/// returned if the depth differs from the threshold by less than rounding, about 2^-39 of the size
-/// of the solids, or if 16,384 cells do not suffice. With a threshold of zero the question is that
-/// of [`penetrates`](super::penetrates()).
+/// follow from winding numbers at the corners of cells, as [`Depth::is_proved`] says. `Undecided`
+/// is returned if the depth differs from the threshold by less than rounding, about 2^-39 of the
+/// size of the solids, or if 16,384 cells do not suffice. With a threshold of zero the question is
+/// that of [`penetrates`](super::penetrates()).
 ///
 /// # Complexity
 /// Grows with the number of faces of both solids near their common part. Parts with common flat
@@ -145,7 +148,8 @@ impl Query<'_> {
         }
     }
 
-    /// Returns an interval that holds the depth, as far as a comparison with the threshold needs it.
+    /// Returns an interval that holds the depth, as far as a comparison with the threshold needs
+    /// it.
     pub(crate) fn material_beyond<'a, 'b>(
         self,
         a: impl Into<Placed<'a>>,

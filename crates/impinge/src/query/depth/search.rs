@@ -12,13 +12,14 @@
 //!
 //! Proof: docs/notes/proof.md, L42. Guarded by `tests/it/clash/cases.rs`.
 
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::cell::{Cell, Plane};
+use super::cell::Cell;
+use super::divide::{Divider, area, middle};
+use super::piece::{Local, Piece};
 use super::side::{Face, Side, gap};
 use crate::budget::Budget;
-use crate::math::vec3::{Vector, add, cross, dot, scale, squared_distance, sub, unit};
+use crate::math::vec3::{Vector, add, dot, scale, squared_distance};
 use crate::mesh::Containment;
 use crate::primitive::point_triangle;
 
@@ -57,10 +58,6 @@ impl Found {
     }
 }
 
-/// Number of flat parts of both solids in a cell above which the cell is halved, and not divided
-/// along one of them.
-const MANY_FACETS: usize = 12;
-
 /// Number of facets whose normals are tried as the way out for a cell.
 const MAX_WAYS_OUT: usize = 4;
 
@@ -92,30 +89,6 @@ pub(super) struct Search<'s, 'm> {
     heap: BinaryHeap<Piece>,
     /// Number of cells so far.
     count: usize,
-}
-
-/// A cell that is not done.
-struct Piece {
-    cell: Cell,
-    local: [Local; 2],
-    /// No point of the cell that counts is deeper.
-    upper: f64,
-    number: usize,
-}
-
-/// One solid, seen from a cell.
-#[derive(Clone)]
-struct Local {
-    /// The flat parts that may be near a point of the cell.
-    facets: Vec<u32>,
-    /// The faces that may be the nearest to a point of the cell.
-    near: Vec<u32>,
-    /// The faces that reach the cell.
-    touching: Vec<u32>,
-    /// Whether all points of the cell are known to be on the side of the surface that counts.
-    is_inside: bool,
-    /// No point of the cell is farther from the surface.
-    reach: f64,
 }
 
 impl<'s, 'm> Search<'s, 'm> {
@@ -179,11 +152,6 @@ impl<'s, 'm> Search<'s, 'm> {
             Some(threshold) => threshold,
             None => (self.found.lower * (1.0 + RELATIVE_WIDTH)).max(self.found.resolution),
         }
-    }
-
-    /// Returns half of the thickness of the cells along faces.
-    fn half_thickness(&self) -> f64 {
-        (0.25 * self.target()).max(4.0 * self.slack)
     }
 
     /// Adds a cell, unless it is done. `parent` has the lists of a cell that holds it.
@@ -359,7 +327,14 @@ impl<'s, 'm> Search<'s, 'm> {
         let Piece { cell, local, upper, .. } = piece;
         let target = self.target();
         let is_far = [0, 1].map(|side| self.goal.measured[side] && local[side].reach > target);
-        let planes = self.planes_that_divide(&cell, &local, is_far);
+        let divider = Divider {
+            sides: self.sides,
+            measured: self.goal.measured,
+            slack: self.slack,
+            target,
+            half_thickness: (0.25 * target).max(4.0 * self.slack),
+        };
+        let planes = divider.planes(&cell, &local, is_far);
         let mut rest = vec![cell];
         let mut done = Vec::new();
         for plane in &planes {
@@ -386,138 +361,5 @@ impl<'s, 'm> Search<'s, 'm> {
         for cell in done {
             self.push(cell, &local, upper);
         }
-    }
-
-    /// Returns the planes that divide a cell best. `is_far` tells for each solid whether points of
-    /// the cell may be too far from its surface.
-    fn planes_that_divide(&self, cell: &Cell, local: &[Local; 2], is_far: [bool; 2]) -> Vec<Plane> {
-        let mut far = (0..2).filter(|&side| is_far[side]);
-        if let Some(plane) = far.find_map(|side| self.edge_of_thin_cell(cell, side, &local[side])) {
-            return vec![plane];
-        }
-        // Outside of one solid is enough, so the solid with fewer flat parts in the cell comes first.
-        let mut sides: Vec<(bool, usize, usize)> =
-            (0..2).map(|side| (!is_far[side], self.flat_parts(side, &local[side].touching), side)).collect();
-        sides.sort_unstable();
-        for (_, count, side) in sides {
-            let faces = local[side].touching.iter().map(|&face| &self.sides[side].faces[face as usize]);
-            let wide = faces.filter(|face| self.is_wide_along(cell, face));
-            if count > MANY_FACETS {
-                if wide.take(1).count() > 0 {
-                    return vec![self.fewest_faces(cell, local)];
-                }
-            } else if let Some(face) = largest_in(cell, wide, self.slack) {
-                return self.around(face);
-            }
-        }
-        self.beside_face(cell, local).into_iter().collect()
-    }
-
-    /// Returns the number of flat parts of some faces.
-    fn flat_parts(&self, side: usize, faces: &[u32]) -> usize {
-        faces.chunk_by(|&x, &y| self.sides[side].facet_of[x as usize] == self.sides[side].facet_of[y as usize]).count()
-    }
-
-    /// Returns a plane through the border of a facet that a cell is thin along, if the border
-    /// divides the cell.
-    fn edge_of_thin_cell(&self, cell: &Cell, side: usize, local: &Local) -> Option<Plane> {
-        let target = self.target();
-        let facets = local.facets.iter().map(|&facet| &self.sides[side].facets[facet as usize]);
-        facets.filter(|facet| facet.height(cell) <= target).find_map(|facet| facet.edge_below(cell, self.slack))
-    }
-
-    /// Returns the plane across the middle of a cell that leaves the fewest faces in both halves.
-    /// The halves of a long rod, cut across, have all its faces.
-    fn fewest_faces(&self, cell: &Cell, local: &[Local; 2]) -> Plane {
-        let [low, high] = cell.bounds();
-        let faces = |axis: usize| {
-            let at = 0.5 * (low[axis] + high[axis]);
-            let count = |side: usize| {
-                let bounds = local[side].touching.iter().map(|&face| &self.sides[side].faces[face as usize].bounds);
-                bounds.map(|[low, high]| usize::from(low[axis] < at) + usize::from(high[axis] > at)).sum::<usize>()
-            };
-            count(0) + count(1)
-        };
-        let extent = |axis: usize| high[axis] - low[axis];
-        let is_long = |&axis: &usize| extent(axis) > 4.0 * self.half_thickness();
-        let best =
-            (0..3).filter(is_long).min_by(|&x, &y| faces(x).cmp(&faces(y)).then(extent(y).total_cmp(&extent(x))));
-        best.map_or_else(|| middle(cell), |axis| across(axis, 0.5 * (low[axis] + high[axis])))
-    }
-
-    /// Reports whether a cell is thicker, at right angles to a face, than the cells around faces.
-    fn is_wide_along(&self, cell: &Cell, face: &Face) -> bool {
-        let half = self.half_thickness() + self.slack;
-        face.normal.is_some_and(|normal| {
-            let level = dot(&normal, &face.corners[0]);
-            cell.corners().any(|corner| (dot(&normal, corner) - level).abs() > half)
-        })
-    }
-
-    /// Returns the planes that cut a thin cell out around a face.
-    fn around(&self, face: &Face) -> Vec<Plane> {
-        let Some(normal) = face.normal else { return Vec::new() };
-        let (level, half) = (dot(&normal, &face.corners[0]), self.half_thickness());
-        vec![Plane { normal, height: level + half }, Plane { normal: scale(&normal, -1.0), height: half - level }]
-    }
-
-    /// Returns the plane between the center of a cell and the surface that is nearest to it.
-    fn beside_face(&self, cell: &Cell, local: &[Local; 2]) -> Option<Plane> {
-        let measured = (0..2).filter(|&side| self.goal.measured[side]);
-        let side = measured.max_by(|&x, &y| local[x].reach.total_cmp(&local[y].reach))?;
-        let center = cell.center();
-        let (_, foot, face) = self.sides[side].nearest(&center, &local[side].near)?;
-        let normal = unit(&sub(&center, &foot)).or(self.sides[side].faces[face as usize].normal)?;
-        Some(Plane { normal, height: dot(&normal, &center) })
-    }
-}
-
-/// Returns the plane across the longest extent of a cell, through its middle.
-fn middle(cell: &Cell) -> Plane {
-    let [low, high] = cell.bounds();
-    let extent = |axis: usize| high[axis] - low[axis];
-    let longest = (0..3).fold(0, |best, axis| if extent(axis) > extent(best) { axis } else { best });
-    across(longest, 0.5 * (low[longest] + high[longest]))
-}
-
-/// Returns the plane across an axis at a height.
-fn across(axis: usize, height: f64) -> Plane {
-    let mut normal = [0.0; 3];
-    normal[axis] = 1.0;
-    Plane { normal, height }
-}
-
-/// Returns the face with the largest part in a cell.
-fn largest_in<'f>(cell: &Cell, faces: impl Iterator<Item = &'f Face>, slack: f64) -> Option<&'f Face> {
-    let sized = faces.map(|face| (area(&cell.clip(&face.corners, slack)), face));
-    sized.max_by(|x, y| x.0.total_cmp(&y.0)).map(|(_, face)| face)
-}
-
-/// Returns twice the area of a polygon in a plane.
-fn area(polygon: &[Vector]) -> f64 {
-    let Some((first, rest)) = polygon.split_first() else { return 0.0 };
-    let sum =
-        rest.windows(2).fold([0.0; 3], |sum, pair| add(&sum, &cross(&sub(&pair[0], first), &sub(&pair[1], first))));
-    dot(&sum, &sum).sqrt()
-}
-
-impl PartialEq for Piece {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Piece {}
-
-impl PartialOrd for Piece {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Piece {
-    /// The greatest bound comes first; of equal ones, the cell that was added first.
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.upper.total_cmp(&other.upper).then(other.number.cmp(&self.number))
     }
 }

@@ -72,8 +72,8 @@ impl<'m> Side<'m> {
         PointClassifier::new(self.placed.mesh).containment(&PosedPoint::new(&self.placement, Spot::At(world)))
     }
 
-    /// Returns the squared distance of a point from the nearest of some faces, the nearest point and
-    /// the face.
+    /// Returns the squared distance of a point from the nearest of some faces, the nearest point
+    /// and the face.
     pub(super) fn nearest(&self, point: &Vector, faces: &[u32]) -> Option<(f64, Vector, u32)> {
         let mut best: Option<(f64, Vector, u32)> = None;
         for &face in faces {
