@@ -49,7 +49,7 @@ pub enum IgnoredReason {
 
 /// A kinematic tree of links with shapes.
 ///
-/// The frame of the root link is the world frame. See the [module](self) for an example.
+/// The frame of the root link is the world frame. See the [module](crate::robot) for an example.
 #[derive(Clone, Debug)]
 pub struct Robot {
     links: Vec<Link>,
