@@ -22,7 +22,7 @@ BUILDINGS = (
 )
 
 NEAR = 0.02
-"""Relative difference from the tolerance within which the oracle, which samples, does not decide."""
+"""Relative difference from the tolerance within which the oracle, which samples, is not sure."""
 
 
 def scene(name, dtype):
