@@ -179,10 +179,13 @@ impl Query<'_> {
             return shapes::depth_of_shapes(&solid(a), &solid(b), budget);
         };
         let goal = Goal { threshold, outside_first: false, measured: [true; 2], max_cells: MAX_CELLS };
-        Solids::new(a, b, true).map_or(Depth::NONE, |solids| match threshold {
-            Some(_) => solids.search(goal, budget).into(),
-            None => solids.greatest(goal, budget).into(),
-        })
+        let Some(solids) = Solids::new(a, b, true) else { return Depth::NONE };
+        if threshold.is_some() {
+            return solids.search(goal, budget).into();
+        }
+        let depth = Depth::from(solids.greatest(goal, budget));
+        // The search does not tell a slight depth from none, and this question is exact.
+        if depth.lower == 0.0 && self.penetrates(a, b) == Penetrates::No { Depth::NONE } else { depth }
     }
 
     /// Reports whether a solid is proved to lie inside another, up to a tolerance: no point of
