@@ -1,4 +1,7 @@
-"""Clashes of seven public buildings against an exact oracle, where the data folder has them."""
+"""Clashes of public buildings against an exact oracle, where the data folder has them.
+
+The largest building, the mini project, takes minutes in a build with checks, and is not among them.
+"""
 
 import json
 import os
@@ -13,7 +16,6 @@ FOLDER = os.environ.get("IMPINGE_DATA")
 
 BUILDINGS = (
     "duplex",
-    "ISSUE_021_Mini_Project",
     "AC20-FZK-Haus",
     "Ifc4_SampleHouse",
     "TallBuilding",
