@@ -279,8 +279,8 @@ impl Arguments {
         })
     }
 
-    /// Returns the rules with the sag in their tolerances, and with all accepted clashes. Returns
-    /// `None` if there are none of either.
+    /// Returns the rules with the sag in their tolerances, and with all accepted clashes, or
+    /// `None` without rules and accepted clashes.
     fn with_sag(&self, file: Option<&RulesFile>, asked: &Asked, accepts: Vec<Accept>) -> Option<Rules> {
         if file.is_none() && accepts.is_empty() {
             return None;

@@ -69,8 +69,10 @@ pub struct Finding {
 pub enum Why {
     /// A limit on the work of the run or of the pair was reached.
     Budget,
-    /// A solid is open or intersects itself where it matters.
+    /// A solid is open.
     NotSolid,
+    /// The depth is about the tolerance, or a search ended before it was told from the tolerance.
+    AboutTolerance,
 }
 
 impl Kind {
@@ -93,7 +95,8 @@ impl fmt::Display for Why {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Budget => "a limit on the work was reached",
-            Self::NotSolid => "a part is open or intersects itself there",
+            Self::NotSolid => "a part is open",
+            Self::AboutTolerance => "the depth was not told apart from the tolerance",
         })
     }
 }
@@ -108,7 +111,8 @@ pub(super) fn classify(a: &Placed<'_>, b: &Placed<'_>, asked: &Asked, budget: &B
         return Finding { proved: verdict.is_proved, why: unproved(&verdict), ..shallow(a, b, asked, budget) };
     }
     if verdict.lower <= asked.tolerance {
-        let why = if budget.stopped().is_some() { Why::Budget } else { Why::NotSolid };
+        let stopped = budget.stopped().map(|_| Why::Budget);
+        let why = stopped.or_else(|| unproved(&verdict)).unwrap_or(Why::AboutTolerance);
         return Finding { depth: Some(verdict), proved: false, why: Some(why), ..found(Kind::Undecided) };
     }
     let is_in = |inner: &Placed<'_>, outer: &Placed<'_>| query().is_inside(inner, outer, asked.tolerance);

@@ -110,7 +110,7 @@ pub fn default_tolerance(sides: &[Side<'_>], meters: Option<f64>) -> f64 {
     usual.max(16.0 * rounding(sides))
 }
 
-/// Returns the diagonal of the box around all bounded parts, or 0 if there are none.
+/// Returns the diagonal of the box around all bounded parts, or 0 without any.
 fn diagonal(sides: &[Side<'_>]) -> f64 {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for Side { scene, .. } in sides {

@@ -61,7 +61,7 @@ fn parts_lie_where_the_flattened_file_has_them() {
         "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 2}}}}]"#;
     let model = assert_same_as_flattened(&document(placed));
     assert_eq!((model.meshes.len(), names(&model)), (1, vec!["bolt", "bolt (2)", "bolt (3)", "bolt (4)"]));
-    // Instances are told apart by their places, whatever their order: x is 9, 5, 7 and 3.
+    // Instances are told apart by their places, and not by their order: x is 9, 5, 7 and 3.
     assert_eq!(super::keys(&model), ["bolt#4", "bolt#2", "bolt#3", "bolt"]);
 }
 

@@ -20,10 +20,9 @@ pub struct Depth {
 impl Depth {
     /// The depth of two solids that have no common point.
     pub(super) const NONE: Self = Self { lower: 0.0, upper: 0.0, point: None, is_proved: true };
-}
 
-impl From<Found> for Depth {
-    fn from(found: Found) -> Self {
-        Self { lower: found.lower, upper: found.upper, point: found.point, is_proved: !found.is_open }
+    /// Returns the answer of a search, which is proved if both solids are closed.
+    pub(super) fn new(found: Found, is_proved: bool) -> Self {
+        Self { lower: found.lower, upper: found.upper, point: found.point, is_proved }
     }
 }

@@ -119,10 +119,6 @@ impl Deeper {
     }
 }
 
-/// Maximum number of cells of a search. It bounds the work for each pair to about a tenth of a
-/// second.
-const MAX_CELLS: usize = 1 << 14;
-
 impl Query<'_> {
     /// Computes [`depth`]. If the budget ends the search, the interval is wider.
     #[must_use]
@@ -178,12 +174,13 @@ impl Query<'_> {
         let Some([a, b]) = meshes(a, b) else {
             return shapes::depth_of_shapes(&solid(a), &solid(b), budget);
         };
-        let goal = Goal { threshold, outside_first: false, measured: [true; 2], max_cells: MAX_CELLS };
+        let goal = Goal { threshold, outside_first: false, measured: [true; 2] };
         let Some(solids) = Solids::new(a, b, true) else { return Depth::NONE };
+        let found = if threshold.is_some() { solids.search(goal, budget) } else { solids.greatest(goal, budget) };
+        let depth = Depth::new(found, solids.are_closed());
         if threshold.is_some() {
-            return solids.search(goal, budget).into();
+            return depth;
         }
-        let depth = Depth::from(solids.greatest(goal, budget));
         // The search does not tell a slight depth from none, and this question is exact.
         if depth.lower == 0.0 && self.penetrates(a, b) == Penetrates::No { Depth::NONE } else { depth }
     }
@@ -192,8 +189,7 @@ impl Query<'_> {
     /// `inner` is farther than the tolerance outside of `outer`. Only meshes are compared.
     pub(crate) fn is_inside(&self, inner: &Placed<'_>, outer: &Placed<'_>, tolerance: f64) -> bool {
         let Some([outer, inner]) = meshes(outer, inner) else { return false };
-        let goal =
-            Goal { threshold: Some(tolerance), outside_first: true, measured: [true, false], max_cells: MAX_CELLS };
+        let goal = Goal { threshold: Some(tolerance), outside_first: true, measured: [true, false] };
         Solids::new(outer, inner, false)
             .filter(|solids| solids.first_box_holds_second(tolerance))
             .is_some_and(|solids| solids.search(goal, self.options.budget).is_within(tolerance))

@@ -33,8 +33,6 @@ pub(super) struct Goal {
     pub(super) outside_first: bool,
     /// The solids whose surfaces count: the depth is the greatest distance from one of them.
     pub(super) measured: [bool; 2],
-    /// Maximum number of cells.
-    pub(super) max_cells: usize,
 }
 
 /// The answer of a search.
@@ -47,8 +45,6 @@ pub(super) struct Found {
     pub(super) point: Option<Vector>,
     /// The search does not tell smaller depths from zero.
     pub(super) resolution: f64,
-    /// Whether a solid is open where the answer depends on it.
-    pub(super) is_open: bool,
 }
 
 impl Found {
@@ -57,6 +53,10 @@ impl Found {
         self.lower <= threshold && self.upper <= threshold.max(self.resolution)
     }
 }
+
+/// Maximum number of cells of a search. It bounds the work for each pair to about a tenth of a
+/// second, or a second if faces by the thousand are near each other.
+const MAX_CELLS: usize = 1 << 14;
 
 /// Number of facets whose normals are tried as the way out for a cell.
 const MAX_WAYS_OUT: usize = 4;
@@ -100,7 +100,7 @@ impl<'s, 'm> Search<'s, 'm> {
         known: Option<(f64, Vector)>,
     ) -> Self {
         let (lower, point) = known.map_or((0.0, None), |(depth, point)| (depth, Some(point)));
-        let found = Found { lower, upper: f64::INFINITY, point, resolution: 16.0 * slack, is_open: false };
+        let found = Found { lower, upper: f64::INFINITY, point, resolution: 16.0 * slack };
         Self { sides, goal, slack, margin, found, settled: 0.0, heap: BinaryHeap::new(), count: 0 }
     }
 
@@ -125,7 +125,7 @@ impl<'s, 'm> Search<'s, 'm> {
             // The bounds of all cells that are left are about the threshold.
             let is_tie = self.goal.threshold.is_some_and(|threshold| piece.upper <= threshold * (1.0 + TIE));
             ties += usize::from(is_tie);
-            if ties > MAX_TIES || self.count > self.goal.max_cells || budget.is_spent() {
+            if ties > MAX_TIES || self.count > MAX_CELLS || budget.is_spent() {
                 self.settled = self.settled.max(piece.upper);
                 break;
             }
@@ -216,12 +216,11 @@ impl<'s, 'm> Search<'s, 'm> {
 
     /// Returns whether a cell that no face reaches is on the side of a solid that counts, or `None`
     /// if the solid is open and this differs in the cell.
-    fn side_of(&mut self, side: usize, cell: &Cell) -> Option<bool> {
+    fn side_of(&self, side: usize, cell: &Cell) -> Option<bool> {
         let first = self.counts(side, &cell.center());
         if self.sides[side].is_closed {
             return first;
         }
-        self.found.is_open = true;
         cell.corners().all(|corner| self.counts(side, corner) == first).then_some(first).flatten()
     }
 
@@ -310,16 +309,13 @@ impl<'s, 'm> Search<'s, 'm> {
         if deepest <= self.found.lower {
             return;
         }
-        let mut is_open = false;
         for side in 0..2 {
-            is_open |= !self.sides[side].is_closed;
             if !piece.local[side].is_inside && self.counts(side, &point) != Some(true) {
                 return;
             }
         }
         self.found.lower = deepest;
         self.found.point = Some(point);
-        self.found.is_open |= is_open;
     }
 
     /// Divides a cell, and adds its parts.

@@ -15,7 +15,7 @@ pub(super) struct Solids<'m> {
 }
 
 /// The answer about solids whose boxes have no common point.
-const NOTHING: Found = Found { lower: 0.0, upper: 0.0, point: None, resolution: 0.0, is_open: false };
+const NOTHING: Found = Found { lower: 0.0, upper: 0.0, point: None, resolution: 0.0 };
 
 /// Ratio of each threshold to the one before, in the search for the greatest depth.
 const STEP: f64 = 1.0 / 32.0;
@@ -70,6 +70,11 @@ impl<'m> Solids<'m> {
         if goal.outside_first { f64::INFINITY } else { half(&self.boxes[0]).max(half(&self.boxes[1])) }
     }
 
+    /// Reports whether the inside of both solids is known everywhere: both meshes are closed.
+    pub(super) fn are_closed(&self) -> bool {
+        self.placed.iter().all(|placed| placed.mesh.is_closed())
+    }
+
     /// Searches the goal. The point of the answer is in the world frame.
     pub(super) fn search(&self, goal: Goal, budget: &Budget<'_>) -> Found {
         self.search_from(goal, None, budget)
@@ -86,8 +91,7 @@ impl<'m> Solids<'m> {
             let found = self.search_from(Goal { threshold: Some(threshold), ..goal }, None, budget);
             if let (true, Some(point)) = (found.lower > threshold, found.point) {
                 let last = self.search_from(goal, Some((found.lower, point)), budget);
-                let is_open = last.is_open || found.is_open;
-                return Found { upper: last.upper.min(shallow.upper), is_open, ..last };
+                return Found { upper: last.upper.min(shallow.upper), ..last };
             }
             // A tie leaves the bound of the threshold before.
             shallow = Found { upper: found.upper.min(shallow.upper), ..found };

@@ -4,6 +4,7 @@ use impinge::clash::{Options, Report, Side, find};
 use impinge::query::batch::Execution;
 use impinge::scene::{Details, Scene};
 use impinge::{Mesh, Pose, Positions};
+use impinge_testkit::generate::solids::cuboid;
 
 /// A box with a name, a key, a type and a path.
 #[derive(Clone, Debug)]
@@ -39,30 +40,16 @@ pub(super) fn house() -> Vec<Block> {
 pub(super) fn scene_of(blocks: &[Block]) -> Scene {
     let mut scene = Scene::new();
     for Block { name, key, kind, path, corners } in blocks {
-        let part = scene.add(name.clone(), &cuboid(*corners), Pose::IDENTITY).unwrap();
+        let part = scene.add(name.clone(), &mesh(*corners), Pose::IDENTITY).unwrap();
         let path = path.split('/').map(str::to_owned).collect();
         scene.set_details(part, Details { key: key.clone(), kind: kind.clone(), path, extras: Vec::new() });
     }
     scene
 }
 
-fn cuboid([min, max]: [[f64; 3]; 2]) -> Mesh {
-    let corner = |at: u32| [0, 1, 2].map(|k| if at >> k & 1 == 0 { min[k] } else { max[k] });
-    let faces = vec![
-        [0, 2, 1],
-        [1, 2, 3],
-        [4, 5, 6],
-        [5, 7, 6],
-        [0, 1, 4],
-        [1, 5, 4],
-        [2, 6, 3],
-        [3, 6, 7],
-        [0, 4, 2],
-        [2, 4, 6],
-        [1, 3, 5],
-        [3, 7, 5],
-    ];
-    Mesh::new(Positions::F64((0..8).map(corner).collect()), faces).unwrap()
+fn mesh([low, high]: [[f64; 3]; 2]) -> Mesh {
+    let solid = cuboid(low, high);
+    Mesh::new(Positions::F64(solid.vertices), solid.faces).unwrap()
 }
 
 pub(super) fn side<'s>(label: &str, scene: &'s Scene) -> Side<'s> {
