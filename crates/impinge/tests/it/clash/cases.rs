@@ -30,6 +30,23 @@ impl Surface {
         self
     }
 
+    /// Returns a block of 2 x 1 x 1 with a block of 1 x 1 x 1 on its left half, as one solid.
+    fn step() -> Self {
+        let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        let mut surface = Self::default();
+        for y in [0.0, 1.0] {
+            surface.vertices.extend(outline.map(|[x, z]| [x, y, z]));
+        }
+        for [a, b, c] in [[0, 1, 2], [0, 2, 3], [0, 3, 5], [3, 4, 5]] {
+            surface.faces.extend([[a, b, c], [a + 6, c + 6, b + 6]]);
+        }
+        for i in 0..6 {
+            let j = (i + 1) % 6;
+            surface.faces.extend([[i, i + 6, j + 6], [i, j + 6, j]]);
+        }
+        surface
+    }
+
     /// Returns a prism along z over the ring between two polygons of `sides` corners, the first of
     /// them turned by a share of a side. Without an inner radius it is a cylinder.
     fn ring([x, y]: [f64; 2], [inner, outer]: [f64; 2], [low, high]: [f64; 2], sides: u32, turn: f64) -> Self {
@@ -152,6 +169,11 @@ fn cases() -> Vec<Case> {
         case("rod in a tube, alike", tube(0.0), rod(0.0), Contact),
         Case { tolerance: 2.0 * sag, ..case("rod in a tube", tube(0.0), rod(0.5), Contact) },
         Case { tolerance: 0.25 * sag, ..case("rod in a tube, small tolerance", tube(0.0), rod(0.5), Clash(sag)) },
+        // Inside the step, the plate lies in the plane of the tread beside it.
+        Case {
+            tolerance: 0.005,
+            ..case("plate in a step", Surface::step(), block([0.2, 0.3, 0.999], [1.5, 0.7, 1.001]), Clash(0.5))
+        },
         // The window alone has the wall on all sides.
         case("window in a wall", wall(), window(), Contained),
         case("hooked", hook([0.0; 3], false), hook([0.45, 0.45, -0.45], true), Clear),
@@ -272,7 +294,7 @@ fn small_cases_have_their_kinds_in_all_variants() {
             checked += 1;
         }
     }
-    assert_eq!(checked, 230);
+    assert_eq!(checked, 240);
 }
 
 #[test]
