@@ -172,7 +172,7 @@ fn cases() -> Vec<Case> {
         // Inside the step, the plate lies in the plane of the tread beside it.
         Case {
             tolerance: 0.005,
-            ..case("plate in a step", Surface::step(), block([0.2, 0.3, 0.999], [1.5, 0.7, 1.001]), Clash(0.5))
+            ..case("plate in a step", Surface::step(), block([0.2, 0.3, 0.999], [2.5, 0.7, 1.001]), Clash(0.5))
         },
         // The window alone has the wall on all sides.
         case("window in a wall", wall(), window(), Contained),
