@@ -158,7 +158,7 @@ fn depths(outcome: &Outcome<'_>) -> String {
             0.0 => format!("below {}", length(decade.to)),
             from => format!("{} to {}", length(from), length(decade.to)),
         };
-        let _ = writeln!(text, "  {range:<22}{:>9}", counted(decade.count, "pair"));
+        let _ = writeln!(text, "  {range:<24} {:>11}", counted(decade.count, "pair"));
     }
     if let Some(gap) = &decades.gap {
         let _ = writeln!(text, "  {}", gap_sentence(gap, outcome.about.asked.tolerance, &length));
