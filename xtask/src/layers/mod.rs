@@ -15,9 +15,10 @@ use anyhow::Result;
 use crate::sources::Violation;
 
 /// Crates of the workspace from the bottom up. Dev-dependencies are free.
-const CRATES: [&str; 9] = [
+const CRATES: [&str; 10] = [
     "impinge",
     "impinge-files",
+    "impinge-report",
     "impinge-cli",
     "impinge-python",
     "impinge-testkit",

@@ -1,0 +1,3 @@
+//! Draws what `impinge` finds, and writes files that people hand on: pictures, HTML pages and BCF.
+//!
+//! The command line and the Python package draw with this crate alone.
