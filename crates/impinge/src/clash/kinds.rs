@@ -5,7 +5,7 @@
 use std::fmt;
 
 use crate::budget::Budget;
-use crate::query::{Depth, Distance, Placed, Proximity, Query};
+use crate::query::{Depth, Distance, Placed, Query};
 
 /// Relation of two solids. Exactly one kind holds for each pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -101,27 +101,47 @@ impl fmt::Display for Why {
     }
 }
 
+/// Share of the tolerance up to which the depth of a contact is not told apart from zero.
+const SLIGHT: f64 = 1.0 / 1024.0;
+
+/// Width of the interval of a clash's depth, relative to the depth.
+const DEPTH_WIDTH: f64 = 1.0 / 32.0;
+
+/// Share of the tolerance that tells rounding from a contact that is nearly a clash.
+const ROUGH: f64 = 1.0 / 32.0;
+
 /// Returns the kind of one pair of solids at their poses. It never fails, and the budget limits its
 /// work.
 pub(super) fn classify(a: &Placed<'_>, b: &Placed<'_>, asked: &Asked, budget: &Budget<'_>) -> Finding {
     let query = || Query::new().with_budget(budget);
-    let verdict = query().material_beyond(a, b, asked.tolerance);
-    let found = |kind| Finding { kind, depth: None, gap: None, point: verdict.point, proved: true, why: None };
-    if verdict.upper <= asked.tolerance {
-        return Finding { proved: verdict.is_proved, why: unproved(&verdict), ..shallow(a, b, asked, budget) };
+    if !query().intersects(a, b) {
+        return apart(a, b, asked, budget);
     }
-    if verdict.lower <= asked.tolerance {
+    let tolerance = asked.tolerance;
+    // Most pairs are flush, and a point deeper than a small threshold often is deeper than the
+    // tolerance, too.
+    let slight = query().material_beyond(a, b, SLIGHT * tolerance);
+    let is_told = slight.lower > tolerance || slight.upper <= tolerance;
+    let verdict = if is_told { slight } else { query().material_beyond(a, b, tolerance) };
+    let found = |kind| Finding { kind, depth: None, gap: None, point: verdict.point, proved: true, why: None };
+    if verdict.upper <= tolerance {
+        let depth = if is_told { slight } else { contact(a, b, (slight, verdict), budget) };
+        let proved = verdict.is_proved;
+        let why = unproved(&verdict);
+        return Finding { point: depth.point, depth: Some(depth), proved, why, ..found(Kind::Contact) };
+    }
+    if verdict.lower <= tolerance {
         let stopped = budget.stopped().map(|_| Why::Budget);
         let why = stopped.or_else(|| unproved(&verdict)).unwrap_or(Why::AboutTolerance);
         return Finding { depth: Some(verdict), proved: false, why: Some(why), ..found(Kind::Undecided) };
     }
-    let is_in = |inner: &Placed<'_>, outer: &Placed<'_>| query().is_inside(inner, outer, asked.tolerance);
+    let is_in = |inner: &Placed<'_>, outer: &Placed<'_>| query().is_inside(inner, outer, tolerance);
     let kind = match (is_in(a, b), is_in(b, a)) {
         (true, true) => Kind::Duplicate,
         (true, false) => Kind::Contained(Inner::A),
         (false, true) => Kind::Contained(Inner::B),
         (false, false) => {
-            let depth = query().depth(a, b);
+            let depth = query().depth_about(a, b, DEPTH_WIDTH);
             // The search for the depth may find less than the search for the threshold did.
             let depth = if depth.lower >= verdict.lower { depth } else { Depth { upper: depth.upper, ..verdict } };
             let point = depth.point.or(verdict.point);
@@ -132,28 +152,23 @@ pub(super) fn classify(a: &Placed<'_>, b: &Placed<'_>, asked: &Asked, budget: &B
     Finding { proved: verdict.is_proved, why: unproved(&verdict), ..found(kind) }
 }
 
-/// Share of the tolerance up to which the depth of a contact is not told apart from zero.
-const SLIGHT: f64 = 1.0 / 1024.0;
-
-/// Returns the finding for two solids that share no material deeper than the tolerance.
-fn shallow(a: &Placed<'_>, b: &Placed<'_>, asked: &Asked, budget: &Budget<'_>) -> Finding {
-    let query = || Query::new().with_budget(budget);
+/// Returns the finding for two solids without a common point.
+fn apart(a: &Placed<'_>, b: &Placed<'_>, asked: &Asked, budget: &Budget<'_>) -> Finding {
     let found = |kind| Finding { kind, depth: None, gap: None, point: None, proved: true, why: None };
-    if asked.clearance.is_none() && !query().intersects(a, b) {
-        return found(Kind::Clear);
-    }
-    let gap = asked.clearance.map(|_| query().distance(a, b));
-    if let (Some(gap), Some(clearance)) = (gap, asked.clearance)
-        && gap.proximity == Proximity::Apart
-    {
-        let point = gap.witness.map(|w| std::array::from_fn(|k| 0.5 * (w.point_a[k] + w.point_b[k])));
-        let kind = if gap.lower <= clearance { Kind::Clearance } else { Kind::Clear };
-        return Finding { gap: Some(gap), point, ..found(kind) };
-    }
-    // Most contacts are flush, and a small threshold is much faster than the depth.
-    let slight = query().material_beyond(a, b, SLIGHT * asked.tolerance);
-    let depth = if slight.upper <= SLIGHT * asked.tolerance { slight } else { query().depth(a, b) };
-    Finding { point: depth.point, depth: Some(depth), ..found(Kind::Contact) }
+    let Some(clearance) = asked.clearance else { return found(Kind::Clear) };
+    let gap = Query::new().with_budget(budget).distance(a, b);
+    let point = gap.witness.map(|w| std::array::from_fn(|k| 0.5 * (w.point_a[k] + w.point_b[k])));
+    let kind = if gap.lower <= clearance { Kind::Clearance } else { Kind::Clear };
+    Finding { gap: Some(gap), point, ..found(kind) }
+}
+
+/// Returns the depth of two solids that share no material deeper than the tolerance, given what the
+/// searches with the slight threshold and with the tolerance found. The interval is wide: it tells
+/// the decade of the depth.
+fn contact(a: &Placed<'_>, b: &Placed<'_>, (slight, verdict): (Depth, Depth), budget: &Budget<'_>) -> Depth {
+    let rough = Query::new().with_budget(budget).material_beyond(a, b, ROUGH * verdict.upper);
+    let deepest = [slight, verdict, rough].into_iter().max_by(|x, y| x.lower.total_cmp(&y.lower)).unwrap_or(slight);
+    Depth { upper: verdict.upper.min(rough.upper).max(deepest.lower), ..deepest }
 }
 
 fn unproved(depth: &Depth) -> Option<Why> {

@@ -4,6 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::derived::cap::Cap;
 use super::derived::copies::Copies;
+use super::derived::facets::Facets;
 use super::derived::moments::FarField;
 use super::derived::topology::{Across, Components, Topology};
 use super::storage::frame::PackedFrame;
@@ -71,7 +72,7 @@ pub(super) struct Derived {
     /// Components of the faces that are connected along edges.
     pub(super) sheets: OnceLock<Components>,
     /// The flat parts of the surface.
-    pub(super) facets: OnceLock<Components>,
+    pub(super) facets: OnceLock<Facets>,
     /// Boxes about the border, and the distance beyond which it does not matter.
     pub(super) cap: OnceLock<Cap>,
     /// Faces that are copies of another face.

@@ -67,8 +67,8 @@ pub(super) fn along(from: &Vector, edge: &Vector, t: f64) -> Vector {
     std::array::from_fn(|k| from[k] + t * edge[k])
 }
 
-/// A face with the quantities needed to find the feet of points on it.
-pub(super) struct Face {
+/// A triangle with the quantities needed to find the feet of points on it.
+pub(crate) struct PreparedTriangle {
     corner: Vector,
     edges: [Vector; 2],
     normal: Vector,
@@ -77,13 +77,29 @@ pub(super) struct Face {
     second_squared: f64,
 }
 
-impl Face {
+impl PreparedTriangle {
     #[inline(always)]
-    pub(super) fn new([a, b, c]: &[Vector; 3]) -> Self {
+    pub(crate) fn new([a, b, c]: &[Vector; 3]) -> Self {
         let edges = [sub(b, a), sub(c, a)];
         let normal = accurate_cross(&edges[0], &edges[1]);
         let squared = dot(&normal, &normal);
         Self { corner: *a, edges, normal, squared, second_squared: dot(&edges[1], &edges[1]) }
+    }
+
+    /// Returns the squared distance of a point from the face with these corners, and the nearest
+    /// point, as [`point_triangle`] does.
+    #[inline(always)]
+    pub(crate) fn nearest(&self, point: &Vector, triangle: &[Vector; 3]) -> (f64, Vector) {
+        let mut nearest = self.foot(point).unwrap_or((f64::INFINITY, triangle[0]));
+        for i in 0..3 {
+            let (from, to) = (&triangle[i], &triangle[(i + 1) % 3]);
+            let edge = sub(to, from);
+            let (squared, t) = point_segment(&sub(point, from), &edge);
+            if squared < nearest.0 {
+                nearest = (squared, along(from, &edge, t));
+            }
+        }
+        nearest
     }
 
     /// Returns the squared distance of a point from the plane, and its foot. Returns `None` if the
@@ -108,14 +124,5 @@ impl Face {
 /// powers of the coordinates must neither overflow nor underflow.
 #[inline]
 pub(crate) fn point_triangle(point: &Vector, triangle: &[Vector; 3]) -> (f64, Vector) {
-    let mut nearest = Face::new(triangle).foot(point).unwrap_or((f64::INFINITY, triangle[0]));
-    for i in 0..3 {
-        let (from, to) = (&triangle[i], &triangle[(i + 1) % 3]);
-        let edge = sub(to, from);
-        let (squared, t) = point_segment(&sub(point, from), &edge);
-        if squared < nearest.0 {
-            nearest = (squared, along(from, &edge, t));
-        }
-    }
-    nearest
+    PreparedTriangle::new(triangle).nearest(point, triangle)
 }

@@ -6,7 +6,7 @@
 //! none.
 
 use super::closest::{ClosestPoints, Scaled};
-use super::points::{Face, along, point_segment};
+use super::points::{PreparedTriangle, along, point_segment};
 use super::segments::inner_points;
 use crate::exact::{Crossing, Placement, crossing, triangles_intersect};
 use crate::math::Pose;
@@ -148,7 +148,7 @@ fn nearest_of_all(a: &[Vector; 3], b: &[Vector; 3]) -> Witness {
             }
         }
     }
-    let (face_a, face_b) = (Face::new(a), Face::new(b));
+    let (face_a, face_b) = (PreparedTriangle::new(a), PreparedTriangle::new(b));
     for corner in 0..3 {
         if let Some((squared, foot)) = face_a.foot(&b[corner]) {
             offer(squared, Parts::FaceOfA { corner, foot });

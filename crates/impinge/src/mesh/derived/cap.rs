@@ -97,7 +97,7 @@ impl Cap {
     ///
     /// # Errors
     /// Returns an error if a box is beyond the range of [`MinMax`].
-    pub(in crate::mesh) fn within_reach(&self, world_from_mesh: &Pose) -> Result<Vec<MinMax>, InputError> {
+    pub(crate) fn within_reach(&self, world_from_mesh: &Pose) -> Result<Vec<MinMax>, InputError> {
         self.boxes.iter().map(|near| grown(near, self.reach).moved(world_from_mesh)).collect()
     }
 }

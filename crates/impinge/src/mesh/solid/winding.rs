@@ -229,7 +229,10 @@ impl<'m> PointClassifier<'m> {
             let winding = |sum: &Bounded| WindingNumber::about(0, sum).containment();
             winding(&self.mesh.solid_angles(point, |sum| winding(sum) != Containment::Undecided))
         } else {
-            self.winding_number(point).containment()
+            let is_decided = |count: i64, strips: &Bounded| {
+                WindingNumber::about(count, strips).containment() != Containment::Undecided
+            };
+            self.winding_by_border(point, is_decided).containment()
         }
     }
 
@@ -242,6 +245,16 @@ impl<'m> PointClassifier<'m> {
         if self.has_long_border() {
             return WindingNumber::about(0, &self.mesh.solid_angles(point, |sum| sum.error < WIDE_ERROR));
         }
+        self.winding_by_border(point, |_, strips| strips.error < NARROW_ERROR)
+    }
+
+    /// Returns the winding number of the mesh about a point, computed from the crossings of a ray and
+    /// the strips of the border. Further rays are tried until the result is enough.
+    fn winding_by_border(
+        &mut self,
+        point: &PosedPoint<'_>,
+        is_enough: impl Fn(i64, &Bounded) -> bool,
+    ) -> WindingNumber {
         let topology = self.mesh.topology();
         let mut best: Option<(i64, Bounded)> = None;
         for ray in crossings::rays_by_length(self.mesh, point) {
@@ -258,11 +271,11 @@ impl<'m> PointClassifier<'m> {
                 return WindingNumber::exactly(crossings.count);
             }
             let strips = self.strips(point, ray, border);
+            if is_enough(crossings.count, &strips) {
+                return WindingNumber::about(crossings.count, &strips);
+            }
             if best.is_none_or(|(_, known)| strips.error < known.error) {
                 best = Some((crossings.count, strips));
-            }
-            if strips.error < NARROW_ERROR {
-                break;
             }
         }
         match best {
@@ -291,6 +304,9 @@ impl<'m> PointClassifier<'m> {
                 Sign::Positive
             } else if im < -error {
                 Sign::Negative
+            } else if re > 2.0 * error {
+                // The angle is about zero, far from where it jumps, and its error has a bound.
+                Sign::from(im.total_cmp(&0.0))
             } else {
                 point.ray_beside(ray, &ends[0], &ends[1])
             };

@@ -25,7 +25,7 @@ pub(super) struct Plane {
 struct Corner {
     at: Vector,
     /// The planes that the corner lies on: bit i is plane i.
-    on: u64,
+    on: u128,
 }
 
 /// A convex polytope.
@@ -49,7 +49,7 @@ impl Plane {
 
 impl Cell {
     /// Maximum number of planes, one for each bit of a corner.
-    const MAX_PLANES: usize = 64;
+    const MAX_PLANES: usize = 128;
 
     /// Maximum number of corners of a cell that is cut. Rounding adds corners to cells of many
     /// planes.
@@ -65,7 +65,7 @@ impl Cell {
         let planes = (0..6).map(|at| plane(at / 2, at % 2)).collect();
         let corner = |at: usize| {
             let ends = [at & 1, at >> 1 & 1, at >> 2 & 1];
-            let on = (0..3).map(|axis| 1 << (2 * axis + ends[axis])).sum();
+            let on = (0..3).map(|axis| 1_u128 << (2 * axis + ends[axis])).sum();
             Corner { at: std::array::from_fn(|axis| bounds[ends[axis]][axis]), on }
         };
         Self { corners: (0..8).map(corner).collect(), planes }

@@ -1,19 +1,26 @@
 //! Where the search for a depth cuts a cell.
 
 use super::cell::{Cell, Plane};
+use super::face::Face;
+use super::facet::Facet;
 use super::piece::Local;
-use super::side::{Face, Side};
+use super::side::Side;
 use crate::math::vec3::{Vector, add, cross, dot, scale, sub, unit};
 
 /// Number of flat parts of both solids in a cell above which the cell is halved, and not divided
 /// along one of them.
 const MANY_FACETS: usize = 12;
 
+/// Difference of two ways out, relative to the target, up to which they count as equal.
+const EVEN: f64 = 1.0 / 4096.0;
+
 /// Lengths and solids on which the cuts depend.
 pub(super) struct Divider<'s, 'm> {
     pub(super) sides: &'s [Side<'m>; 2],
     /// The solids whose surfaces count.
     pub(super) measured: [bool; 2],
+    /// The solids whose inside counts.
+    pub(super) bounded: [bool; 2],
     pub(super) slack: f64,
     /// Distance up to which points are near a surface.
     pub(super) target: f64,
@@ -31,21 +38,59 @@ impl Divider<'_, '_> {
         }
         // Outside of one solid is enough, so the solid with fewer flat parts in the cell comes
         // first.
+        let inner = [0, 1].map(|side| self.faces_in(cell, side, &local[side]));
         let mut sides: Vec<(bool, usize, usize)> =
-            (0..2).map(|side| (!is_far[side], self.flat_parts(side, &local[side].touching), side)).collect();
+            (0..2).map(|side| (!is_far[side], self.flat_parts(side, &inner[side]), side)).collect();
         sides.sort_unstable();
         for (_, count, side) in sides {
-            let faces = local[side].touching.iter().map(|&face| &self.sides[side].faces[face as usize]);
-            let wide = faces.filter(|face| self.is_wide_along(cell, face));
+            let of_face = |&face: &u32| (face, &self.sides[side].faces[face as usize]);
+            let wide = inner[side].iter().map(of_face).filter(|(_, face)| self.is_wide_along(cell, face));
             if count > MANY_FACETS {
                 if wide.take(1).count() > 0 {
                     return vec![self.fewest_faces(cell, local)];
                 }
-            } else if let Some(face) = largest_in(cell, wide, self.slack) {
-                return self.around(face);
+            } else if let Some((number, face)) = largest_in(cell, wide, self.slack) {
+                return match self.supporting(side, number) {
+                    Some(facet) => {
+                        vec![facet.limit(2.0 * self.slack)]
+                    }
+                    None => self.around(face),
+                };
             }
         }
-        self.beside_face(cell, local).into_iter().collect()
+        let far = (0..2).filter(|&side| is_far[side] && self.bounded[side]);
+        let bisector = far.filter_map(|side| self.between_ways_out(cell, side, &local[side])).next();
+        bisector.or_else(|| self.beside_face(cell, local)).into_iter().collect()
+    }
+
+    /// Returns the facet of a face, if no part of the solid is beyond it.
+    fn supporting(&self, side: usize, face: u32) -> Option<&Facet> {
+        self.sides[side].supporting(face).filter(|_| self.bounded[side])
+    }
+
+    /// Returns the faces that divide a cell. A face of a facet that supports the solid, and that the
+    /// cell does not reach beyond, does not.
+    fn faces_in(&self, cell: &Cell, side: usize, local: &Local) -> Vec<u32> {
+        let divides = |&face: &u32| {
+            self.supporting(side, face).is_none_or(|facet| {
+                let limit = facet.limit(2.0 * self.slack);
+                cell.corners().any(|corner| limit.beyond(corner) > 4.0 * self.slack)
+            })
+        };
+        local.touching.iter().copied().filter(divides).collect()
+    }
+
+    /// Returns the plane between the points of a cell with a shorter way out at one facet and those
+    /// with a shorter way at another. The facets are the one that bounds all ways best, and the one
+    /// with the shortest way from the corner where that bound is reached. `None` if this is the same
+    /// facet, or an equally long way.
+    fn between_ways_out(&self, cell: &Cell, side: usize, local: &Local) -> Option<Plane> {
+        let own = &self.sides[side];
+        let (facet, corner) = own.nearest_way_out(cell, &local.facets)?;
+        let supporting = local.facets.iter().map(|&facet| &own.facets[facet as usize]).filter(|facet| facet.supports());
+        let other = supporting.min_by(|x, y| x.way_out(&corner).total_cmp(&y.way_out(&corner)))?;
+        let difference = facet.way_out(&corner) - other.way_out(&corner);
+        if difference <= (EVEN * self.target).max(8.0 * self.slack) { None } else { facet.bisector(other) }
     }
 
     /// Returns the number of flat parts of some faces.
@@ -123,8 +168,8 @@ fn across(axis: usize, height: f64) -> Plane {
 }
 
 /// Returns the face with the largest part in a cell.
-fn largest_in<'f>(cell: &Cell, faces: impl Iterator<Item = &'f Face>, slack: f64) -> Option<&'f Face> {
-    let sized = faces.map(|face| (area(&cell.clip(&face.corners, slack)), face));
+fn largest_in<'f>(cell: &Cell, faces: impl Iterator<Item = (u32, &'f Face)>, slack: f64) -> Option<(u32, &'f Face)> {
+    let sized = faces.map(|face| (area(&cell.clip(&face.1.corners, slack)), face));
     sized.max_by(|x, y| x.0.total_cmp(&y.0)).map(|(_, face)| face)
 }
 

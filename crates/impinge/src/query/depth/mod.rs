@@ -1,13 +1,16 @@
 //! How deep two solids share material, and whether deeper than a threshold.
 //!
 //! `answer` has the interval of a depth. `cell` has the convex cells into which the common part is
-//! divided, `side` the faces of a solid near it, `piece` a cell with its faces, `divide` where
+//! divided, `face` and `facet` the faces and flat parts of a solid near it, `side` the solid as a
+//! cell sees it, `piece` a cell with its faces, `divide` where
 //! cells are cut, and `search` the search. `solids` prepares both solids. `shapes` has the depth of
 //! things that are not meshes.
 
 mod answer;
 mod cell;
 mod divide;
+mod face;
+mod facet;
 mod piece;
 mod search;
 mod shapes;
@@ -22,6 +25,9 @@ use super::Query;
 use super::penetrates::Penetrates;
 use super::penetration::solid;
 use super::placed::{Placed, meshes};
+
+/// Greatest width of the interval of a depth, relative to the depth.
+const RELATIVE_WIDTH: f64 = 1.0 / 1024.0;
 
 /// Computes how much material two solids share: the greatest depth of a common point, which is its
 /// distance from the surface of one of the two solids, whichever is farther.
@@ -123,7 +129,7 @@ impl Query<'_> {
     /// Computes [`depth`]. If the budget ends the search, the interval is wider.
     #[must_use]
     pub fn depth<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Depth {
-        self.shared_material(&a.into(), &b.into(), None)
+        self.shared_material(&a.into(), &b.into(), None, RELATIVE_WIDTH)
     }
 
     /// Returns [`deeper`]. If the budget ends the search, the answer is `Undecided` unless a point
@@ -144,6 +150,17 @@ impl Query<'_> {
         }
     }
 
+    /// Computes [`depth`] with an interval whose width is at most a share of the depth, unless the
+    /// number of cells limits it.
+    pub(crate) fn depth_about<'a, 'b>(
+        self,
+        a: impl Into<Placed<'a>>,
+        b: impl Into<Placed<'b>>,
+        relative_width: f64,
+    ) -> Depth {
+        self.shared_material(&a.into(), &b.into(), None, relative_width)
+    }
+
     /// Returns an interval that holds the depth, as far as a comparison with the threshold needs
     /// it.
     pub(crate) fn material_beyond<'a, 'b>(
@@ -154,7 +171,7 @@ impl Query<'_> {
     ) -> Depth {
         let (a, b) = (a.into(), b.into());
         if threshold > 0.0 {
-            return self.shared_material(&a, &b, Some(threshold));
+            return self.shared_material(&a, &b, Some(threshold), RELATIVE_WIDTH);
         }
         let budget = self.options.budget;
         match self.penetrates(&a, &b) {
@@ -169,12 +186,12 @@ impl Query<'_> {
     }
 
     /// Returns the depth, or as much as a comparison with the threshold needs.
-    fn shared_material(self, a: &Placed<'_>, b: &Placed<'_>, threshold: Option<f64>) -> Depth {
+    fn shared_material(self, a: &Placed<'_>, b: &Placed<'_>, threshold: Option<f64>, relative_width: f64) -> Depth {
         let budget = self.options.budget;
         let Some([a, b]) = meshes(a, b) else {
             return shapes::depth_of_shapes(&solid(a), &solid(b), budget);
         };
-        let goal = Goal { threshold, outside_first: false, measured: [true; 2] };
+        let goal = Goal { threshold, outside_first: false, measured: [true; 2], relative_width };
         let Some(solids) = Solids::new(a, b, true) else { return Depth::NONE };
         let found = if threshold.is_some() { solids.search(goal, budget) } else { solids.greatest(goal, budget) };
         let depth = Depth::new(found, solids.are_closed());
@@ -189,7 +206,12 @@ impl Query<'_> {
     /// `inner` is farther than the tolerance outside of `outer`. Only meshes are compared.
     pub(crate) fn is_inside(&self, inner: &Placed<'_>, outer: &Placed<'_>, tolerance: f64) -> bool {
         let Some([outer, inner]) = meshes(outer, inner) else { return false };
-        let goal = Goal { threshold: Some(tolerance), outside_first: true, measured: [true, false] };
+        let goal = Goal {
+            threshold: Some(tolerance),
+            outside_first: true,
+            measured: [true, false],
+            relative_width: RELATIVE_WIDTH,
+        };
         Solids::new(outer, inner, false)
             .filter(|solids| solids.first_box_holds_second(tolerance))
             .is_some_and(|solids| solids.search(goal, self.options.budget).is_within(tolerance))

@@ -14,14 +14,14 @@
 
 use std::collections::BinaryHeap;
 
-use super::cell::Cell;
+use super::cell::{Cell, Plane};
 use super::divide::{Divider, area, middle};
+use super::face::{Face, gap};
 use super::piece::{Local, Piece};
-use super::side::{Face, Side, gap};
+use super::side::Side;
 use crate::budget::Budget;
-use crate::math::vec3::{Vector, add, dot, scale, squared_distance};
+use crate::math::vec3::{Vector, add, dot, scale, squared_distance, sub};
 use crate::mesh::Containment;
-use crate::primitive::point_triangle;
 
 /// The points whose depth is searched, and how far.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +33,8 @@ pub(super) struct Goal {
     pub(super) outside_first: bool,
     /// The solids whose surfaces count: the depth is the greatest distance from one of them.
     pub(super) measured: [bool; 2],
+    /// Relative width of the interval at which the search for the greatest depth stops.
+    pub(super) relative_width: f64,
 }
 
 /// The answer of a search.
@@ -58,6 +60,18 @@ impl Found {
 /// second, or a second if faces by the thousand are near each other.
 const MAX_CELLS: usize = 1 << 14;
 
+/// Maximum number of planes of facets by which the first cell is cut.
+const MAX_LIMITS: usize = 24;
+
+/// Share of the way to the center by which a corner of a cell is moved into it.
+const INWARD: f64 = 1.0 / 4096.0;
+
+/// Maximum number of faces in a cell whose parts are compared, to find a point to try.
+const MAX_CLIPPED: usize = 32;
+
+/// Number of points near holes of open solids whose winding numbers are compared in a search.
+const MAX_SAMPLES: usize = 1 << 12;
+
 /// Number of facets whose normals are tried as the way out for a cell.
 const MAX_WAYS_OUT: usize = 4;
 
@@ -71,9 +85,6 @@ const MAX_TIES: usize = 256;
 /// Distance up to which faces are near a cell, in units of the threshold. Faces that are farther do
 /// not decide whether a point is deeper.
 const RANGE: f64 = 1.5;
-
-/// Relative width of the interval at which the search for the greatest depth stops.
-const RELATIVE_WIDTH: f64 = 1.0 / 1024.0;
 
 /// A search for the deepest common point.
 pub(super) struct Search<'s, 'm> {
@@ -89,6 +100,8 @@ pub(super) struct Search<'s, 'm> {
     heap: BinaryHeap<Piece>,
     /// Number of cells so far.
     count: usize,
+    /// Number of winding numbers about points in cells near holes so far.
+    samples: std::cell::Cell<usize>,
 }
 
 impl<'s, 'm> Search<'s, 'm> {
@@ -101,7 +114,17 @@ impl<'s, 'm> Search<'s, 'm> {
     ) -> Self {
         let (lower, point) = known.map_or((0.0, None), |(depth, point)| (depth, Some(point)));
         let found = Found { lower, upper: f64::INFINITY, point, resolution: 16.0 * slack };
-        Self { sides, goal, slack, margin, found, settled: 0.0, heap: BinaryHeap::new(), count: 0 }
+        Self {
+            sides,
+            goal,
+            slack,
+            margin,
+            found,
+            settled: 0.0,
+            heap: BinaryHeap::new(),
+            count: 0,
+            samples: Default::default(),
+        }
     }
 
     /// Searches the points of a box.
@@ -115,7 +138,8 @@ impl<'s, 'm> Search<'s, 'm> {
             is_inside: false,
             reach: f64::INFINITY,
         });
-        self.push(Cell::cuboid(&grown), &local, f64::INFINITY);
+        let cell = self.without_far_parts(Cell::cuboid(&grown));
+        self.push(cell, &local, f64::INFINITY);
         let mut ties = 0;
         while let Some(piece) = self.heap.pop() {
             if piece.upper <= self.target() || self.is_decided() {
@@ -125,7 +149,7 @@ impl<'s, 'm> Search<'s, 'm> {
             // The bounds of all cells that are left are about the threshold.
             let is_tie = self.goal.threshold.is_some_and(|threshold| piece.upper <= threshold * (1.0 + TIE));
             ties += usize::from(is_tie);
-            if ties > MAX_TIES || self.count > MAX_CELLS || budget.is_spent() {
+            if ties > MAX_TIES || self.count > MAX_CELLS || self.samples.get() > MAX_SAMPLES || budget.is_spent() {
                 self.settled = self.settled.max(piece.upper);
                 break;
             }
@@ -141,6 +165,33 @@ impl<'s, 'm> Search<'s, 'm> {
         Found { upper: self.settled.max(self.found.lower), ..self.found }
     }
 
+    /// Reports whether the points inside a solid count, so that the facets that support the solid
+    /// bound them and their distances.
+    fn is_bounded(&self, side: usize) -> bool {
+        side == 1 || !self.goal.outside_first
+    }
+
+    /// Cuts off the parts of the first cell that are beyond facets that support a solid.
+    fn without_far_parts(&self, mut cell: Cell) -> Cell {
+        let facets = (0..2).filter(|&side| self.is_bounded(side)).flat_map(|side| &self.sides[side].facets);
+        let mut limits: Vec<(f64, Plane)> = facets
+            .filter(|facet| facet.supports())
+            .map(|facet| {
+                let limit = facet.limit(2.0 * self.slack);
+                (cell.corners().map(|corner| limit.beyond(corner)).fold(f64::NEG_INFINITY, f64::max), limit)
+            })
+            .filter(|(beyond, _)| *beyond > 4.0 * self.slack)
+            .collect();
+        // A cell has few planes, so those that cut off most come first.
+        limits.sort_by(|x, y| y.0.total_cmp(&x.0));
+        for (_, limit) in limits.iter().take(MAX_LIMITS) {
+            if let Some([Some(below), _]) = cell.cut(limit, self.slack) {
+                cell = below;
+            }
+        }
+        cell
+    }
+
     fn is_decided(&self) -> bool {
         self.goal.threshold.is_some() && self.found.lower > self.target()
     }
@@ -150,15 +201,14 @@ impl<'s, 'm> Search<'s, 'm> {
         match self.goal.threshold {
             Some(threshold) if self.goal.outside_first => threshold.max(self.found.resolution),
             Some(threshold) => threshold,
-            None => (self.found.lower * (1.0 + RELATIVE_WIDTH)).max(self.found.resolution),
+            None => (self.found.lower * (1.0 + self.goal.relative_width)).max(self.found.resolution),
         }
     }
 
     /// Adds a cell, unless it is done. `parent` has the lists of a cell that holds it.
     fn push(&mut self, cell: Cell, parent: &[Local; 2], upper: f64) {
         self.count += 1;
-        let [low, high] = cell.bounds();
-        let bounds = [low.map(|x| x - self.slack), high.map(|x| x + self.slack)];
+        let bounds = self.grown(&cell);
         let mut local = [0, 1].map(|side| {
             let faces = &self.sides[side].faces;
             let reaches = |&&face: &&u32| {
@@ -171,7 +221,7 @@ impl<'s, 'm> Search<'s, 'm> {
         });
         for side in 0..2 {
             if local[side].touching.is_empty() && !local[side].is_inside {
-                match self.side_of(side, &cell) {
+                match self.side_of(side, &cell, &bounds) {
                     Some(false) => return,
                     Some(true) => local[side].is_inside = true,
                     None => {}
@@ -198,6 +248,12 @@ impl<'s, 'm> Search<'s, 'm> {
         self.heap.push(Piece { cell, local, upper, number: self.count });
     }
 
+    /// Returns the box about a cell, grown by the slack.
+    fn grown(&self, cell: &Cell) -> [Vector; 2] {
+        let [low, high] = cell.bounds();
+        [low.map(|x| x - self.slack), high.map(|x| x + self.slack)]
+    }
+
     /// Reports whether a face may reach a cell.
     fn reaches(&self, face: &Face, cell: &Cell) -> bool {
         if let Some(normal) = face.normal {
@@ -215,13 +271,18 @@ impl<'s, 'm> Search<'s, 'm> {
     }
 
     /// Returns whether a cell that no face reaches is on the side of a solid that counts, or `None`
-    /// if the solid is open and this differs in the cell.
-    fn side_of(&self, side: usize, cell: &Cell) -> Option<bool> {
+    /// if the solid is open and this differs in the cell. `bounds` is the grown box of the cell.
+    fn side_of(&self, side: usize, cell: &Cell, bounds: &[Vector; 2]) -> Option<bool> {
         let first = self.counts(side, &cell.center());
-        if self.sides[side].is_closed {
+        if self.sides[side].is_clear_of_holes(bounds) {
             return first;
         }
-        cell.corners().all(|corner| self.counts(side, corner) == first).then_some(first).flatten()
+        // The winding number is harmonic here, so it is greatest and least on the boundary.
+        let corners: Vec<&Vector> = cell.corners().collect();
+        let pairs = corners.iter().enumerate().flat_map(|(at, a)| corners[at..].iter().map(move |b| (a, b)));
+        self.samples.set(self.samples.get() + corners.len() * corners.len() / 2);
+        let mut middles = pairs.map(|(a, b)| scale(&add(a, b), 0.5));
+        middles.all(|point| self.counts(side, &point) == first).then_some(first).flatten()
     }
 
     /// Returns whether a point is on the side of a solid that counts, or `None` if that is not
@@ -240,8 +301,11 @@ impl<'s, 'm> Search<'s, 'm> {
     fn reach(&self, side: usize, cell: &Cell, parent: &Local) -> f64 {
         let own = &self.sides[side];
         let mut best = f64::INFINITY;
-        for &facet in &parent.facets {
-            let facet = &own.facets[facet as usize];
+        let facets = || parent.facets.iter().map(|&facet| &own.facets[facet as usize]);
+        if self.is_bounded(side) {
+            best = facets().map(|facet| facet.longest_way_out(cell)).fold(best, f64::min);
+        }
+        for facet in facets() {
             let height = facet.height(cell);
             if height < best && own.is_over(facet, cell, self.slack) {
                 best = height;
@@ -257,8 +321,8 @@ impl<'s, 'm> Search<'s, 'm> {
         let center = cell.center();
         if let Some((squared, _, face)) = own.nearest(&center, &parent.near) {
             let radius = cell.corners().map(|corner| squared_distance(&center, corner)).fold(0.0, f64::max).sqrt();
-            let corners = &own.faces[face as usize].corners;
-            let farthest = cell.corners().map(|corner| point_triangle(corner, corners).0).fold(0.0, f64::max);
+            let face = &own.faces[face as usize];
+            let farthest = cell.corners().map(|corner| face.squared_distance(corner)).fold(0.0, f64::max);
             best = best.min(farthest.sqrt()).min(squared.sqrt() + radius);
         }
         best + 2.0 * self.slack
@@ -272,21 +336,24 @@ impl<'s, 'm> Search<'s, 'm> {
         let facets = parent.facets.iter().map(|&facet| &own.facets[facet as usize]);
         let thin = facets.filter(|facet| facet.height(cell) <= 0.5 * length);
         thin.take(MAX_WAYS_OUT).any(|facet| {
-            let outward = if side == 0 && self.goal.outside_first { -length } else { length };
+            let outward = if self.is_bounded(side) { length } else { -length };
             let moved = cell.translated(&scale(&facet.plane.normal, outward));
             let stays = parent.near.iter().any(|&face| self.reaches(&own.faces[face as usize], &moved));
-            !stays && self.counts(side, &moved.center()) == Some(false)
+            !stays && self.side_of(side, &moved, &self.grown(&moved)) == Some(false)
         })
     }
 
-    /// Tries the center of a cell, and the middle of each face in it, as the deepest point.
+    /// Tries some points of a cell as the deepest: its center, the middle of the largest part of a
+    /// face in it, and the corner with the longest way out.
     fn try_points(&mut self, piece: &Piece) {
-        self.try_point(piece, piece.cell.center());
+        let center = piece.cell.center();
+        self.try_point(piece, center);
         for side in 0..2 {
             let faces = &self.sides[side].faces;
             let largest = piece.local[side]
                 .touching
                 .iter()
+                .take(MAX_CLIPPED)
                 .map(|&face| piece.cell.clip(&faces[face as usize].corners, 0.0))
                 .filter(|polygon| !polygon.is_empty())
                 .max_by(|a, b| area(a).total_cmp(&area(b)));
@@ -294,25 +361,39 @@ impl<'s, 'm> Search<'s, 'm> {
                 let sum = polygon.iter().fold([0.0; 3], |sum, point| add(&sum, point));
                 self.try_point(piece, scale(&sum, 1.0 / polygon.len() as f64));
             }
+            if self.goal.measured[side]
+                && self.is_bounded(side)
+                && let Some((_, corner)) = self.sides[side].nearest_way_out(&piece.cell, &piece.local[side].facets)
+            {
+                self.try_point(piece, add(&corner, &scale(&sub(&center, &corner), INWARD)));
+            }
         }
     }
 
     /// Records a point, if it is the deepest so far.
     fn try_point(&mut self, piece: &Piece, point: Vector) {
-        let depth = |side: usize| {
+        let to_faces = |side: usize| {
             let nearest = self.sides[side].nearest(&point, &piece.local[side].near);
             let range = if self.goal.threshold.is_some() { RANGE * self.target() } else { self.margin };
             nearest.map_or(range, |(squared, ..)| squared.sqrt().min(range)) - self.slack
         };
         let measured = (0..2).filter(|&side| self.goal.measured[side]);
-        let deepest = measured.map(depth).fold(0.0, f64::max);
-        if deepest <= self.found.lower {
+        let distances: Vec<(usize, f64)> = measured.map(|side| (side, to_faces(side))).collect();
+        let is_deeper = |(_, distance): &&(usize, f64)| *distance > self.found.lower;
+        if !distances.iter().any(|distance| is_deeper(&distance)) {
             return;
         }
         for side in 0..2 {
             if !piece.local[side].is_inside && self.counts(side, &point) != Some(true) {
                 return;
             }
+        }
+        let depths = distances.iter().filter(is_deeper).map(|&(side, distance)| {
+            if self.is_bounded(side) { self.sides[side].distance_from_outside(&point, distance) } else { distance }
+        });
+        let deepest = depths.fold(0.0, f64::max);
+        if deepest <= self.found.lower {
+            return;
         }
         self.found.lower = deepest;
         self.found.point = Some(point);
@@ -326,6 +407,7 @@ impl<'s, 'm> Search<'s, 'm> {
         let divider = Divider {
             sides: self.sides,
             measured: self.goal.measured,
+            bounded: [0, 1].map(|side| self.is_bounded(side)),
             slack: self.slack,
             target,
             half_thickness: (0.25 * target).max(4.0 * self.slack),
@@ -347,7 +429,9 @@ impl<'s, 'm> Search<'s, 'm> {
         if let [cell] = &done[..] {
             match cell.cut(&middle(cell), self.slack) {
                 Some([Some(below), Some(above)]) => done = vec![below, above],
-                // The cell is as small as the rounding, or has too many planes.
+                // The cell has too many planes to be cut, but its box can be.
+                None => done = vec![Cell::cuboid(&cell.bounds())],
+                // The cell is as small as the rounding.
                 _ => {
                     self.settled = self.settled.max(upper);
                     return;

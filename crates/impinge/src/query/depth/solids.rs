@@ -1,8 +1,9 @@
 //! Both solids of a depth query: their boxes in the world, and the frame and the precision of the
 //! search.
 
+use super::face::{gap, world_box};
 use super::search::{Found, Goal, Search};
-use super::side::{Side, gap, world_box};
+use super::side::Side;
 use crate::budget::Budget;
 use crate::math::vec3::{Vector, add, scale, sub};
 use crate::mesh::{Mesh, PlacedMesh};
@@ -70,6 +71,14 @@ impl<'m> Solids<'m> {
         if goal.outside_first { f64::INFINITY } else { half(&self.boxes[0]).max(half(&self.boxes[1])) }
     }
 
+    /// Returns the length of the shortest way along an axis that takes one box out of the other. It
+    /// takes each common point out of one solid, and its reverse out of the other.
+    fn way_out_of_boxes(&self) -> f64 {
+        let [[a_low, a_high], [b_low, b_high]] = self.boxes;
+        let along = |axis: usize| (a_high[axis] - b_low[axis]).min(b_high[axis] - a_low[axis]);
+        (0..3).map(along).fold(f64::INFINITY, f64::min)
+    }
+
     /// Reports whether the inside of both solids is known everywhere: both meshes are closed.
     pub(super) fn are_closed(&self) -> bool {
         self.placed.iter().all(|placed| placed.mesh.is_closed())
@@ -106,11 +115,15 @@ impl<'m> Solids<'m> {
         let Some(region) = self.region(&goal) else { return NOTHING };
         let origin: Vector = std::array::from_fn(|axis| 0.5 * region[0][axis] + 0.5 * region[1][axis]);
         let slack = self.slack(&origin);
+        let way_out = self.way_out_of_boxes() + 2.0 * slack;
+        if !goal.outside_first && goal.threshold.is_some_and(|threshold| way_out <= threshold) {
+            return Found { upper: way_out, resolution: 16.0 * slack, ..NOTHING };
+        }
         // A face beyond the margin is farther than any depth that decides.
         let range = goal.threshold.map_or(f64::INFINITY, |threshold| 2.0 * threshold);
         let margin = range.min(self.inradius_bound(&goal)) + 64.0 * slack;
         let local = region.map(|corner| sub(&corner, &origin));
-        let sides = self.placed.map(|placed| Side::new(placed, origin, &local, margin));
+        let sides = self.placed.map(|placed| Side::new(placed, origin, &local, (margin, slack)));
         let known = known.map(|(depth, point)| (depth, sub(&point, &origin)));
         let found = Search::new(&sides, goal, (slack, margin), known).run(&local, budget);
         Found { point: found.point.map(|point| add(&point, &origin)), ..found }

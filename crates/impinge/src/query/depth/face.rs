@@ -1,0 +1,88 @@
+//! A face in the frame of the search for a depth, and the boxes of this frame.
+
+use super::cell::Plane;
+use crate::math::Pose;
+use crate::math::vec3::{Vector, add, cross, dot, sub, unit};
+use crate::mesh::PlacedMesh;
+use crate::primitive::PreparedTriangle;
+
+/// A face in the frame of the search.
+pub(super) struct Face {
+    pub(super) corners: [Vector; 3],
+    /// Unit normal, or `None` if the face has no area.
+    pub(super) normal: Option<Vector>,
+    pub(super) bounds: [Vector; 2],
+    /// The planes through the edges, at right angles to the face, with the face inside.
+    edges: [Option<Plane>; 3],
+    prepared: PreparedTriangle,
+}
+
+impl Face {
+    pub(super) fn new(corners: [Vector; 3]) -> Self {
+        let normal = unit(&cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0])));
+        let bounds = [f64::min, f64::max].map(|choose: fn(f64, f64) -> f64| {
+            std::array::from_fn(|axis| choose(choose(corners[0][axis], corners[1][axis]), corners[2][axis]))
+        });
+        let edges = std::array::from_fn(|edge| {
+            let (from, to) = (corners[edge], corners[(edge + 1) % 3]);
+            let across = unit(&cross(&sub(&to, &from), &normal?))?;
+            Some(Plane { normal: across, height: dot(&across, &from) })
+        });
+        Self { corners, normal, bounds, edges, prepared: PreparedTriangle::new(&corners) }
+    }
+
+    /// Returns the squared distance of a point from the face, and the nearest point. Returns `None`
+    /// if the distance is known not to be less than the root of `best`.
+    pub(super) fn nearest_within(&self, point: &Vector, best: f64) -> Option<(f64, Vector)> {
+        let [low, high] = &self.bounds;
+        let apart: f64 =
+            (0..3).map(|axis| (low[axis] - point[axis]).max(point[axis] - high[axis]).max(0.0).powi(2)).sum();
+        (apart < best).then(|| self.prepared.nearest(point, &self.corners))
+    }
+
+    /// Returns the squared distance of a point from the face.
+    pub(super) fn squared_distance(&self, point: &Vector) -> f64 {
+        self.prepared.nearest(point, &self.corners).0
+    }
+
+    /// Returns the plane through an edge, at right angles to the face, with the face inside.
+    pub(super) fn edge_plane(&self, edge: usize) -> Option<Plane> {
+        self.edges[edge]
+    }
+
+    /// Reports whether the foot of a point in the face's plane is in the face.
+    pub(super) fn is_below(&self, point: &Vector, slack: f64) -> bool {
+        self.edges.iter().all(|edge| edge.is_some_and(|plane| plane.beyond(point) <= slack))
+    }
+}
+
+/// Returns the gap between two boxes: the largest difference along an axis, or a negative number if
+/// they overlap.
+pub(super) fn gap(a: &[Vector; 2], b: &[Vector; 2]) -> f64 {
+    (0..3).map(|axis| (a[0][axis] - b[1][axis]).max(b[0][axis] - a[1][axis])).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Returns the corners of a face in the world, less the origin.
+pub(super) fn world_corners(placed: &PlacedMesh<'_>, face: u32, origin: &Vector) -> [Vector; 3] {
+    placed.mesh.corners(face).map(|corner| sub(&placed.world_from_mesh.apply(corner), origin))
+}
+
+/// Returns a box of the search that holds a box of the mesh, given by center and half-extents.
+pub(super) fn world_box(pose: &Pose, origin: &Vector, center: &Vector, half_extents: &Vector) -> [Vector; 2] {
+    let center = sub(&pose.apply(*center), origin);
+    let half: Vector =
+        pose.linear().map(|row| row.iter().zip(half_extents).map(|(entry, half)| entry.abs() * half).sum());
+    [sub(&center, &half), add(&center, &half)]
+}
+
+/// Returns the box about two boxes.
+pub(super) fn joined(a: &[Vector; 2], b: &[Vector; 2]) -> [Vector; 2] {
+    let corner =
+        |end: usize, choose: fn(f64, f64) -> f64| std::array::from_fn(|axis| choose(a[end][axis], b[end][axis]));
+    [corner(0, f64::min), corner(1, f64::max)]
+}
+
+/// Returns a factor by which a pose makes no length longer.
+pub(super) fn stretch(pose: &Pose) -> f64 {
+    pose.linear().iter().map(|row| dot(row, row)).sum::<f64>().sqrt()
+}
