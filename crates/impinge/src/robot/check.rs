@@ -4,9 +4,10 @@ use std::collections::HashMap;
 use std::error::Error;
 use std::fmt;
 
+use super::cull::Culling;
 use super::error::ConfigurationError;
 use super::frame::Frame;
-use super::links::{PlacedLink, may_be_near};
+use super::links::{PlacedLink, PlacedLinks, may_be_near};
 use super::model::Robot;
 use super::obstacles::Obstacles;
 use crate::budget::{Budget, Stopped};
@@ -123,7 +124,8 @@ struct Check<'c> {
 /// State that consecutive configurations share.
 struct State {
     frames: Vec<Frame>,
-    placed: Vec<PlacedLink>,
+    culling: Culling,
+    links: PlacedLinks,
     /// State of the last query of each pair of links, by the index of the pair.
     caches: Vec<Cache>,
     /// State of the last query of a link and an obstacle, by their indices.
@@ -134,32 +136,35 @@ struct State {
 impl State {
     fn new(robot: &Robot) -> Self {
         let caches = robot.pairs().iter().map(|_| Cache::default()).collect();
-        let placed = vec![PlacedLink::Nowhere; robot.links().len()];
-        Self { frames: Vec::new(), placed, caches, obstacle_caches: HashMap::new(), near: Vec::new() }
+        let links = PlacedLinks::new(robot.links().len());
+        let (frames, culling, near) = (Vec::new(), Culling::default(), Vec::new());
+        Self { frames, culling, links, caches, obstacle_caches: HashMap::new(), near }
     }
 }
 
 impl Check<'_> {
     /// Returns the collisions of a configuration.
     fn row(&self, configuration: &[f64], state: &mut State, budget: &Budget<'_>) -> Vec<Collision> {
-        self.robot.place(configuration, &mut state.frames);
-        let State { frames, placed, caches, obstacle_caches, near } = state;
-        for ((link, placed), frame) in self.robot.links().iter().zip(placed.iter_mut()).zip(&*frames) {
-            if let Some(shape) = &link.shape {
-                placed.move_to(shape, frame.pose());
-            }
-        }
+        let robot = self.robot;
+        robot.place(configuration, &mut state.frames);
+        let State { frames, culling, links, caches, obstacle_caches, near } = state;
+        culling.start(robot.proxies(), frames);
+        links.start();
         let mut found = Vec::new();
         let is_first = self.options.stop == Stop::First;
         let clearance = self.options.self_padding;
-        for (&[a, b], cache) in self.robot.pairs().iter().zip(caches) {
-            if may_be_near(&placed[a], &placed[b], clearance) {
-                // The caller discards the result if the budget is spent.
-                if budget.is_spent() {
-                    return found;
-                }
-                let pair = [&placed[a], &placed[b]];
-                found.extend(collision(a, Other::Link(b), proximity(pair, clearance, cache, budget)));
+        for (&pair @ [a, b], cache) in robot.pairs().iter().zip(caches) {
+            if culling.are_apart(pair, clearance, robot.proxies(), frames) {
+                continue;
+            }
+            // The caller discards the result if the budget is spent.
+            if budget.is_spent() {
+                return found;
+            }
+            pair.iter().for_each(|&link| links.place(link, robot, frames));
+            let placed = pair.map(|link| &links.placed[link]);
+            if may_be_near(placed[0], placed[1], clearance) {
+                found.extend(collision(a, Other::Link(b), proximity(placed, clearance, cache, budget)));
                 if is_first && !found.is_empty() {
                     return found;
                 }
@@ -168,8 +173,14 @@ impl Check<'_> {
         if self.obstacles.is_empty() {
             return found;
         }
-        for (link, placed) in placed.iter().enumerate().filter(|(_, placed)| !placed.is_nowhere()) {
+        for link in (0..frames.len()).filter(|&link| robot.links()[link].shape.is_some()) {
             let clearance = self.options.padding.get(link).copied().unwrap_or(0.0);
+            let limbs = culling.limbs(link, robot.proxies(), frames);
+            if limbs.is_some_and(|(limbs, slack)| !self.obstacles.may_be_near(limbs, clearance + slack)) {
+                continue;
+            }
+            links.place(link, robot, frames);
+            let placed = &links.placed[link];
             self.obstacles.near((link, placed), clearance, near);
             for &at in &*near {
                 if budget.is_spent() {

@@ -31,12 +31,15 @@
 //! `check` the checks. Guarded by `tests/it/robots`.
 
 mod check;
+mod cull;
 mod error;
 mod frame;
 mod joint;
 mod links;
 mod model;
 mod obstacles;
+mod outline;
+mod proxy;
 mod tree;
 
 pub use check::{CheckError, CheckOptions, Collision, Other};

@@ -1,7 +1,9 @@
 //! The parts of a scene as obstacles of a robot: they stay in their places.
 
 use std::collections::HashSet;
+use std::ops::ControlFlow;
 
+use super::cull::Limb;
 use super::links::{PlacedLink, may_be_near};
 use crate::partition::{BoxTree, Partition};
 use crate::scene::{PartId, Scene};
@@ -51,7 +53,7 @@ impl Obstacles {
             (Some(tree), Some(bounds)) => {
                 _ = tree.overlapping(&bounds, &mut |key| {
                     found.push(key as usize);
-                    std::ops::ControlFlow::Continue(())
+                    ControlFlow::Continue(())
                 });
                 found.extend(&self.unbounded);
                 found.retain(|at| is_near(at));
@@ -59,6 +61,24 @@ impl Obstacles {
             }
             _ => found.extend((0..self.parts.len()).filter(is_near)),
         }
+    }
+
+    /// Reports whether capsules may be within a clearance of an obstacle, by the box of each.
+    pub(super) fn may_be_near(&self, limbs: &[Limb], clearance: f64) -> bool {
+        if !self.unbounded.is_empty() {
+            return true;
+        }
+        limbs.iter().any(|limb| {
+            let [start, end] = limb.ends;
+            let reach = (limb.radius + clearance).next_up();
+            let min = std::array::from_fn(|k| (start[k].min(end[k]) - reach).next_down());
+            let max = std::array::from_fn(|k| (start[k].max(end[k]) + reach).next_up());
+            let overlaps = |[low, high]: [[f64; 3]; 2]| (0..3).all(|k| min[k] <= high[k] && low[k] <= max[k]);
+            match (&self.tree, MinMax::new(min, max)) {
+                (Some(tree), Ok(bounds)) => tree.overlapping(&bounds, &mut |_| ControlFlow::Break(())).is_break(),
+                _ => self.parts.iter().any(|(_, placed)| placed.bounds().is_some_and(overlaps)),
+            }
+        })
     }
 
     pub(super) fn is_empty(&self) -> bool {
