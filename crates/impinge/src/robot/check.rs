@@ -41,6 +41,15 @@ impl Default for CheckOptions<'_> {
     }
 }
 
+impl CheckOptions<'_> {
+    /// Validates the clearances.
+    pub(super) fn validate(&self) -> Result<(), CheckError> {
+        let is_valid = |clearance: &f64| clearance.is_finite() && *clearance >= 0.0;
+        let all = self.padding.iter().chain([&self.self_padding]);
+        if all.copied().all(|clearance| is_valid(&clearance)) { Ok(()) } else { Err(CheckError::Padding) }
+    }
+}
+
 /// The link or obstacle that a link collides with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Other {
@@ -69,6 +78,13 @@ pub enum CheckError {
     Configuration(ConfigurationError),
     /// A clearance is negative, NaN or infinite.
     Padding,
+    /// The starts and the ends of motions are lists of different lengths.
+    Lengths {
+        /// Number of values of the starts.
+        starts: usize,
+        /// Number of values of the ends.
+        ends: usize,
+    },
     /// A limit of the budget was reached.
     Stopped(Stopped),
 }
@@ -98,10 +114,7 @@ impl Robot {
         execution: Execution<'_>,
     ) -> Result<Answers<Vec<Collision>>, CheckError> {
         let rows = self.check_rows(configurations).map_err(CheckError::Configuration)?;
-        let is_valid = |clearance: &f64| clearance.is_finite() && *clearance >= 0.0;
-        if !options.padding.iter().chain([&options.self_padding]).all(is_valid) {
-            return Err(CheckError::Padding);
-        }
+        options.validate()?;
         let check = Check { robot: self, options, obstacles: Obstacles::new(options.obstacles, &options.ignored) };
         let columns = self.coordinates().len();
         let values = execution.rows(
@@ -200,13 +213,13 @@ impl Check<'_> {
 }
 
 /// Returns whether two shapes are within a clearance of each other.
-fn proximity(pair: [&PlacedLink; 2], clearance: f64, cache: &mut Cache, budget: &Budget<'_>) -> Proximity {
+pub(super) fn proximity(pair: [&PlacedLink; 2], clearance: f64, cache: &mut Cache, budget: &Budget<'_>) -> Proximity {
     let [PlacedLink::At(a), PlacedLink::At(b)] = pair else { return Proximity::Undecided };
     let query = Query::new().with_cache(cache).with_budget(budget);
     if clearance > 0.0 { query.nearness(&**a, &**b, clearance) } else { query.proximity(&**a, &**b) }
 }
 
-fn collision(link: usize, other: Other, proximity: Proximity) -> Option<Collision> {
+pub(super) fn collision(link: usize, other: Other, proximity: Proximity) -> Option<Collision> {
     let is_undecided = proximity == Proximity::Undecided;
     (proximity != Proximity::Apart).then_some(Collision { link, other, is_undecided })
 }
@@ -216,6 +229,9 @@ impl fmt::Display for CheckError {
         match self {
             Self::Configuration(error) => write!(f, "{error}"),
             Self::Padding => f.write_str("a clearance is negative, NaN or infinite"),
+            Self::Lengths { starts, ends } => {
+                write!(f, "the starts of motions have {starts} values and their ends {ends}: pass as many of each")
+            }
             Self::Stopped(stopped) => write!(f, "{stopped}"),
         }
     }

@@ -3,7 +3,7 @@
 //! Guarded by `tests/it/robots/culling.rs` and lemma L43 of the proofs.
 
 use super::frame::Frame;
-use super::proxy::{Ball, Proxy};
+use super::proxy::{Ball, Proxy, Volumes};
 use crate::math::vec3::{dot, sub};
 
 /// Share of the magnitude of translations that covers the rounding of images and of distances,
@@ -85,6 +85,37 @@ impl Culling {
         is_known.then(|| (&*self.limbs[link], self.slack))
     }
 
+    /// Computes the capsules of all links.
+    pub(super) fn place_all(&mut self, proxies: &[Proxy], frames: &[Frame]) {
+        (0..proxies.len()).for_each(|link| self.place(link, proxies, frames));
+    }
+
+    /// Returns the capsules of a link that were computed, or `None` if its shape may be anywhere.
+    pub(super) fn placed_limbs(&self, link: usize, proxies: &[Proxy]) -> Option<&[Limb]> {
+        (!matches!(proxies[link], Proxy::Anywhere)).then(|| &*self.limbs[link])
+    }
+
+    /// Returns a lower bound of the distance of two links, whose capsules were computed.
+    pub(super) fn least_distance(&self, pair: [usize; 2], proxies: &[Proxy]) -> f64 {
+        let [Some(a), Some(b)] = pair.map(|link| self.placed_limbs(link, proxies)) else { return 0.0 };
+        let least = |a: &Limb| b.iter().map(|b| least_distance(a, b)).fold(f64::INFINITY, f64::min);
+        // A slack that is infinite or NaN gives zero.
+        (a.iter().map(least).fold(f64::INFINITY, f64::min) - self.slack).max(0.0)
+    }
+
+    /// Returns a bound on the sum of the magnitudes of the coordinates of all volumes.
+    pub(super) fn size(&self, proxies: &[Proxy], frames: &[Frame]) -> f64 {
+        let of = |(proxy, frame): (&Proxy, &Frame)| {
+            let local = if let Proxy::Within(Volumes { sphere: (center, radius), .. }) = proxy {
+                2.0 * center.iter().map(|x| x.abs()).sum::<f64>() + radius
+            } else {
+                0.0
+            };
+            frame.0.iter().map(|row| row[3].abs()).sum::<f64>() + local
+        };
+        proxies.iter().zip(frames).map(of).fold(0.0, |size, of| if of <= size { size } else { of })
+    }
+
     fn place(&mut self, link: usize, proxies: &[Proxy], frames: &[Frame]) {
         if self.is_placed[link] {
             return;
@@ -102,17 +133,31 @@ impl Culling {
 }
 
 /// Reports whether two capsules are proved to be farther apart than a margin.
-///
-/// The nearest points of the segments are computed with plain formulas, which prove nothing. Each
-/// segment is then projected onto the vector between these points: the distance is at least the gap
-/// of the projections, whatever the vector is.
 fn limbs_are_apart(a: &Limb, b: &Limb, margin: f64) -> bool {
+    let (gap, squared_length) = gap(a, b);
+    let reach = a.radius + b.radius + margin;
+    gap > 0.0 && gap * gap > reach * reach * squared_length * ROUNDING + f64::MIN_POSITIVE
+}
+
+/// Returns a lower bound of the distance of two capsules, less than zero if they may overlap. Its
+/// rounding is in the slack of the culling.
+fn least_distance(a: &Limb, b: &Limb) -> f64 {
+    let (gap, squared_length) = gap(a, b);
+    let distance = if gap > 0.0 { gap / squared_length.sqrt() } else { 0.0 };
+    // Squares that vanish or overflow prove nothing.
+    if squared_length.is_normal() { distance / ROUNDING - (a.radius + b.radius) } else { 0.0 }
+}
+
+/// Returns the gap between the projections of two segments onto a vector, and the squared length of
+/// the vector.
+///
+/// The vector joins nearest points of the segments, which plain formulas compute and which prove
+/// nothing. The distance is at least the gap over the length, whatever the vector is.
+fn gap(a: &Limb, b: &Limb) -> (f64, f64) {
     let between = nearest_offset(a.ends, b.ends);
     let [a0, a1] = a.ends.map(|end| dot(&between, &sub(&end, &a.ends[0])));
     let [b0, b1] = b.ends.map(|end| dot(&between, &sub(&end, &a.ends[0])));
-    let gap = b0.min(b1) - a0.max(a1);
-    let reach = a.radius + b.radius + margin;
-    gap > 0.0 && gap * gap > reach * reach * dot(&between, &between) * ROUNDING + f64::MIN_POSITIVE
+    (b0.min(b1) - a0.max(a1), dot(&between, &between))
 }
 
 /// Returns the vector from the point of the first segment that is nearest to the second, to the

@@ -7,7 +7,7 @@ use super::error::{ConfigurationError, RobotError};
 use super::frame::Frame;
 use super::joint::{InvalidValue, Joint};
 use super::proxy::Proxy;
-use super::tree::Tree;
+use super::tree::{Step, Tree};
 use crate::math::Pose;
 use crate::shape::Shape;
 
@@ -247,6 +247,16 @@ impl Robot {
     /// Returns volumes about the shape of each link.
     pub(super) fn proxies(&self) -> &[Proxy] {
         &self.proxies
+    }
+
+    /// Returns the steps of the kinematics, parents first.
+    pub(super) fn steps(&self) -> &[Step] {
+        &self.tree.steps
+    }
+
+    /// Returns for each link a bound on the factor by which its pose stretches any length.
+    pub(super) fn stretches(&self) -> Vec<f64> {
+        self.tree.stretches()
     }
 
     /// Returns all pairs of links with shapes, sorted.
