@@ -170,8 +170,8 @@ class RobotQueries:
     ) -> RobotMotion:
         """Prove that straight motions between configurations are free, or find the first contact.
 
-        At time t, from 0 to 1, the robot is at ``(1 - t) * q0 + t * q1``. No verdict is by sampling:
-        bounds on how far each link moves prove whole intervals of the motion free.
+        At time t, from 0 to 1, the robot is at ``(1 - t) * q0 + t * q1``. No verdict is by
+        sampling: bounds on how far each link moves prove whole intervals of the motion free.
 
         Parameters
         ----------

@@ -19,8 +19,8 @@ use crate::robot_checks::obstacles;
 use crate::scene::Part;
 use crate::workers::{self, Call};
 
-/// Clearances between links and of each link from obstacles, the obstacles, and the pairs of indices
-/// of links and obstacles that are not checked.
+/// Clearances between links and of each link from obstacles, the obstacles, and the pairs of
+/// indices of links and obstacles that are not checked.
 type Surroundings<'py> = ((f64, Vec<f64>), Vec<Part<'py>>, Vec<(usize, usize)>);
 
 type Object<'py> = Bound<'py, PyAny>;
@@ -55,7 +55,8 @@ fn configurations(robot: &LoadedRobot, q: &Object<'_>) -> PyResult<(Vec<f64>, us
     Ok((values, rows))
 }
 
-/// Returns the indices of a pair: the parts of a scene follow the links. Both are -1 without a pair.
+/// Returns the indices of a pair: the parts of a scene follow the links. Both are -1 without a
+/// pair.
 fn indices(pair: Option<(usize, Other)>, links: usize) -> [i64; 2] {
     pair.map_or([-1; 2], |(link, other)| match other {
         Other::Link(other) => [link as i64, other as i64],
@@ -149,8 +150,8 @@ pub(crate) fn robot_verify(
     Ok(found.err().map(|error| error.to_string()))
 }
 
-/// Returns for each configuration the bounds of its clearance, (n, 2), the nearest pair, (n, 2), its
-/// nearest points, NaN without points, (n, 2, 3), and whether it is undecided, (n,).
+/// Returns for each configuration the bounds of its clearance, (n, 2), the nearest pair, (n, 2),
+/// its nearest points, NaN without points, (n, 2, 3), and whether it is undecided, (n,).
 #[pyfunction]
 pub(crate) fn robot_clearance<'py>(
     robot: &RobotCore,

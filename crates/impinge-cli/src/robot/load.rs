@@ -89,7 +89,7 @@ impl RobotArguments {
             let Some(path) = path else { return Ok((robot, None)) };
             let model = load_scene(path, &SceneOptions { unit: Some(Unit::Meter), ..SceneOptions::default() })?;
             model.warnings.iter().for_each(|warning| console::warn(&format!("{}: {warning}", path.display())));
-            // The inside of an open mesh is not known, so such a mesh is its surface, as in a robot.
+            // The inside of an open mesh is not known, so it is its surface, as in a robot.
             let shape = |mesh: &Mesh| if mesh.is_closed() { Shape::from(mesh.solid()) } else { Shape::from(mesh) };
             let scene = model.into_scene(shape).map_err(|error| Failure::from(error).in_file(path))?;
             Ok((robot, Some(scene)))

@@ -68,11 +68,12 @@ impl Robot {
     /// use impinge::robot::{ClearanceOptions, Joint, JointKind, Link, Robot};
     /// use impinge::{Pose, Shape};
     ///
-    /// let ball = |name: &str| Shape::sphere([0.0; 3], 0.5).map(|shape| Link { name: name.into(), shape: Some(shape) });
+    /// let sphere = Shape::sphere([0.0; 3], 0.5)?;
+    /// let ball = |name: &str| Link { name: name.into(), shape: Some(sphere.clone()) };
     /// let slide = |name: &str, parent: &str, child: &str| {
     ///     Joint::fixed(name, parent, child, Pose::IDENTITY).moving(JointKind::Prismatic, [1.0, 0.0, 0.0])
     /// };
-    /// let links = vec![ball("a")?, Link { name: "b".into(), shape: None }, ball("c")?];
+    /// let links = vec![ball("a"), Link { name: "b".into(), shape: None }, ball("c")];
     /// let robot = Robot::new(links, vec![slide("ab", "a", "b"), slide("bc", "b", "c")])?;
     /// let found = robot.clearances(&[2.0, 1.0], &ClearanceOptions::default(), Execution::default())?;
     /// assert!((found.values[0].upper - 2.0).abs() < 1e-12);
@@ -164,7 +165,7 @@ impl Robot {
     }
 }
 
-/// What a link is compared with: another link, or an obstacle by its index.
+/// The other thing of a pair: another link, or an obstacle by its index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Subject {
     Link(usize),

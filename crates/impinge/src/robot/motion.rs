@@ -50,7 +50,7 @@ pub enum Verdict {
     Undecided,
 }
 
-/// What is known about a motion. Times are from 0 at its start to 1 at its end.
+/// Verdict about a motion, with its proof. Times are from 0 at its start to 1 at its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionCheck {
     /// The verdict.

@@ -5,8 +5,8 @@ use crate::math::Pose;
 use crate::mesh::Mesh;
 use crate::shape::{Form, Shape};
 
-/// Maximum number of points of a convex part whose pairs all count as edges. A part with more points
-/// and no list of edges is replaced by its box.
+/// Maximum number of points of a convex part whose pairs all count as edges. A part with more
+/// points and no list of edges is replaced by its box.
 const MAX_PAIRED: usize = 16;
 
 /// Points that span a shape, in the frame of the shape.

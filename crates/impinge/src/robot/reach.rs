@@ -197,6 +197,7 @@ fn lever(step: &Step, child: &Frame, limbs: &[Limb]) -> f64 {
 fn turn_of_quaternion(change: f64, step: &Step, configuration: &[f64]) -> f64 {
     let quaternion = &configuration[step.source.first + 3..step.source.first + 7];
     let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt() / INFLATION;
-    // The angle between two quaternions is at most π/2 times its sine, and half that of the rotation.
+    // The angle between two quaternions is at most π/2 times its sine, and half of the angle of the
+    // rotation.
     if change < 0.5 * length { std::f64::consts::PI * change / (length - change) * INFLATION } else { 2.0 }
 }

@@ -216,8 +216,8 @@ impl PlacedShape {
         std::mem::swap(&mut self.stand, stand);
     }
 
-    /// Moves the shape to another pose, as [`Shape::at`] places it, without allocating memory for its
-    /// parts again.
+    /// Moves the shape to another pose, as [`Shape::at`] places it, without allocating memory for
+    /// its parts again.
     ///
     /// # Errors
     /// As for [`Shape::at`]. The parts may be at either pose then.

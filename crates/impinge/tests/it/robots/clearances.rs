@@ -73,7 +73,7 @@ fn clearances_are_the_least_distance_of_all_pairs() {
             } else {
                 zero += 1;
                 if let Other::Link(other) = other {
-                    assert_ne!(query::proximity(&at(link), &at(other)), Proximity::Apart);
+                    assert_ne!(query::proximity(at(link), at(other)), Proximity::Apart);
                 }
             }
         }
