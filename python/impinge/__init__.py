@@ -44,6 +44,7 @@ from impinge._points import ClosestPoint, RayHit, RayHits
 from impinge._pose import pose
 from impinge._robot import Robot
 from impinge._robot_joint import Joint
+from impinge._robot_motion import RobotClearance, RobotMotion
 from impinge._robot_report import RobotReport
 from impinge._scene import Scene, SceneReport
 from impinge._shape import Shape
@@ -110,6 +111,8 @@ __all__ = [
     "RayHits",
     "Repair",
     "Robot",
+    "RobotClearance",
+    "RobotMotion",
     "RobotReport",
     "Scene",
     "SceneReport",

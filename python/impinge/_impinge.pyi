@@ -436,6 +436,36 @@ def robot_check(
     ignored: list[tuple[int, int]],
     progress: bool,
 ) -> tuple[NDArray[np.int64], NDArray[np.uint32], NDArray[np.bool_]]: ...
+
+_Surroundings: TypeAlias = tuple[tuple[float, list[float]], list[tuple[str, Any, bool, Any]], list[tuple[int, int]]]
+"""Clearances between links and from obstacles, the obstacles, and pairs that are not checked."""
+
+def robot_motions(
+    robot: RobotCore,
+    ends: tuple[NDArray[np.float64], NDArray[np.float64]],
+    surroundings: _Surroundings,
+    max_steps: int,
+    keeps_certificate: bool,
+    progress: bool,
+) -> tuple[
+    tuple[NDArray[np.uint8], NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]],
+    tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]],
+]: ...
+def robot_verify(
+    robot: RobotCore,
+    ends: tuple[NDArray[np.float64], NDArray[np.float64]],
+    surroundings: _Surroundings,
+    subjects: NDArray[np.int64],
+    intervals: NDArray[np.float64],
+) -> str | None: ...
+def robot_clearance(
+    robot: RobotCore,
+    q: NDArray[np.float64],
+    limit: float,
+    parts: list[tuple[str, Any, bool, Any]],
+    ignored: list[tuple[int, int]],
+    progress: bool,
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.bool_]]: ...
 def clash(
     scenes: list[tuple[str, list[Any], list[tuple[int, int]]]],
     unit: str | None,

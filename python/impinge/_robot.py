@@ -14,16 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 from impinge import _impinge
 from impinge._errors import InputError, LoadWarning
 from impinge._mesh import Mesh
-from impinge._robot_arguments import check_limits, clearance, known, pairs_of, text
+from impinge._robot_arguments import known, pairs_of, text
 from impinge._robot_joint import Joint
-from impinge._robot_report import RobotReport
+from impinge._robot_queries import RobotQueries
 from impinge._scalars import chosen, path_of, whole
-from impinge._scene import Scene
 from impinge._shape import AnyShape, Shape
 
 
 @final
-class Robot:
+class Robot(RobotQueries):
     """A kinematic tree of links with shapes, whose configurations are checked in one call.
 
     A link is the union of its shapes, and closed meshes are solids. The frame of the root link is
@@ -192,40 +191,11 @@ class Robot:
         return self._core.name
 
     @cached_property
-    def links(self) -> tuple[str, ...]:
-        """Names of all links."""
-        return tuple(name for name, _ in self._core.links())
-
-    @cached_property
     def shapes(self) -> dict[str, Shape]:
         """The shape of each link that has one, in the frame of the link."""
         return {
             name: Shape._of("link", self, [at]) for at, (name, is_solid) in enumerate(self._core.links()) if is_solid
         }
-
-    @cached_property
-    def joints(self) -> tuple[str, ...]:
-        """Names of the coordinates of a configuration, in the order of the joints of the file.
-
-        They are the joints that move, without those that follow another. Planar and floating joints
-        have several coordinates, such as ``base/x``.
-        """
-        return tuple(name for name, _, _ in self._core.coordinates())
-
-    @property
-    def dof(self) -> int:
-        """Number of coordinates of a configuration."""
-        return len(self.joints)
-
-    @property
-    def lower(self) -> NDArray[np.float64]:
-        """Lower limit of each coordinate, in radians or meters; -inf if there is none."""
-        return np.array([lower for _, lower, _ in self._core.coordinates()])
-
-    @property
-    def upper(self) -> NDArray[np.float64]:
-        """Upper limit of each coordinate, in radians or meters; inf if there is none."""
-        return np.array([upper for _, _, upper in self._core.coordinates()])
 
     @property
     def groups(self) -> dict[str, tuple[str, ...]]:
@@ -281,104 +251,6 @@ class Robot:
         rows, lead = self._rows(q)
         poses = self._core.poses(rows)
         return {name: poses[:, at].reshape(*lead, 4, 4) for at, name in enumerate(self.links)}
-
-    def check(
-        self,
-        q: ArrayLike,
-        scene: Scene | None = None,
-        *,
-        poses: Mapping[str, ArrayLike] | None = None,
-        stop: Literal["first", "all"] = "first",
-        padding: float | Mapping[str, float] = 0.0,
-        self_padding: float = 0.0,
-        ignored: Iterable[tuple[str, str]] = (),
-        on_limits: Literal["ignore", "raise"] = "ignore",
-        progress: bool = False,
-    ) -> RobotReport:
-        """Check which configurations collide: links with each other, and with a scene.
-
-        A pair of links collides exactly if `impinge.intersects` says so for their `shapes` at the
-        poses of `at`.
-
-        Parameters
-        ----------
-        q : (..., dof) array_like
-            Configurations, in radians and meters, one value for each of `joints`.
-        scene : Scene, optional
-            Obstacles. Pairs of two obstacles are not checked.
-        poses : mapping of str to (4, 4) array_like, optional
-            World from part, for parts of the scene. A part without a pose has the identity.
-        stop : {"first", "all"}
-            Whether a configuration is finished at the first pair found, or all pairs are checked.
-        padding : float or mapping of str to float
-            Distance in meters that links must keep from obstacles: for all links, or for each link
-            by its name, where ``"*"`` stands for all others.
-        self_padding : float
-            Distance in meters that links must keep from each other.
-        ignored : iterable of (str, str), optional
-            Pairs of a link and a part of the scene that are not checked, such as the base and the
-            floor that it stands on.
-        on_limits : {"ignore", "raise"}
-            Whether a value beyond the limits of its joint is an error.
-        progress : bool
-            As for `impinge.intersects`.
-
-        Returns
-        -------
-        RobotReport
-            The report is the same for any number of threads.
-
-        Raises
-        ------
-        InputError
-            As for `at`; if a name is unknown, or if a distance is negative.
-        """
-        rows, lead = self._rows(q)
-        chosen(stop, ("first", "all"), "stop")
-        chosen(on_limits, ("ignore", "raise"), "on_limits")
-        if on_limits == "raise":
-            check_limits(rows, lead, self.joints, (self.lower, self.upper))
-        if scene is not None and not isinstance(scene, Scene):
-            raise InputError(f"must be impinge.Scene, not {type(scene).__name__}", kind="type", what="scene")
-        parts = {} if scene is None else scene.parts
-        places = {} if poses is None else poses
-        if not isinstance(places, Mapping):
-            raise InputError(f"must be a mapping, not {type(places).__name__}", kind="type", what="poses")
-        for name in places:
-            known(name, parts, "part", "poses")
-        solid = scene is not None and scene._solid
-        obstacles = [(name, part, solid, places.get(name)) for name, part in parts.items()]
-        clearances = clearance(self_padding, "self_padding"), self._paddings(padding)
-        numbers = {name: at for at, name in enumerate(parts)}
-        links = {name: at for at, name in enumerate(self.links)}
-        pairs = pairs_of(ignored)
-        skipped = [(known(a, links, "link", "ignored"), known(b, numbers, "part", "ignored")) for a, b in pairs]
-        answer = _impinge.robot_check(self._core, rows, stop == "first", clearances, obstacles, skipped, progress)
-        return RobotReport(answer, lead, (*self.links, *parts), stopped_at_first=stop == "first")
-
-    def _rows(self, q: ArrayLike) -> tuple[NDArray[np.float64], tuple[int, ...]]:
-        """Return configurations as rows, and their leading axes."""
-        try:
-            values = np.asarray(q, np.float64)
-        except (TypeError, ValueError) as error:
-            raise InputError(f"must be numbers ({error})", kind="type", what="q") from None
-        if values.ndim == 0 or values.shape[-1] != self.dof:
-            message = f"must have {self.dof} columns, {', '.join(self.joints)}; the shape is {values.shape}"
-            raise InputError(message, kind="shape", what="q")
-        lead = values.shape[:-1]
-        return np.ascontiguousarray(values.reshape(-1, self.dof) if self.dof else values.reshape(-1)), lead
-
-    def _paddings(self, padding: float | Mapping[str, float]) -> list[float]:
-        """Return the padding of each link."""
-        if not isinstance(padding, Mapping):
-            return [clearance(padding, "padding")] * len(self.links)
-        others = clearance(padding.get("*", 0.0), "padding")
-        paddings = [others] * len(self.links)
-        links = {name: at for at, name in enumerate(self.links)}
-        for name, distance in padding.items():
-            if name != "*":
-                paddings[known(name, links, "link", "padding")] = clearance(distance, "padding")
-        return paddings
 
     def __copy__(self) -> Robot:
         """Return the robot itself: it never changes."""

@@ -23,6 +23,7 @@ mod output;
 mod pose;
 mod progress;
 mod repair;
+mod robot;
 mod units;
 mod world;
 
@@ -73,6 +74,7 @@ enum Command {
     Hits(hits::Arguments),
     Inspect(inspect::Arguments),
     Man(man::Arguments),
+    Robot(robot::Arguments),
     World(world::Arguments),
 }
 
@@ -87,6 +89,7 @@ impl Command {
             Self::Hits(arguments) => hits::run(arguments),
             Self::Inspect(arguments) => inspect::run(arguments),
             Self::Man(arguments) => man::run(arguments, Cli::command()),
+            Self::Robot(arguments) => robot::run(arguments),
             Self::World(arguments) => world::run(arguments),
         }
     }

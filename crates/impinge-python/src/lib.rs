@@ -36,6 +36,7 @@ mod question;
 mod rays;
 mod robot;
 mod robot_checks;
+mod robot_motions;
 mod scene;
 mod scene_file;
 mod scene_shares;
@@ -111,6 +112,8 @@ mod _impinge {
     use super::robot::RobotCore;
     #[pymodule_export]
     use super::robot_checks::{robot_check, robot_of_parts};
+    #[pymodule_export]
+    use super::robot_motions::{robot_clearance, robot_motions, robot_verify};
     #[pymodule_export]
     use super::scene::check_scene;
     #[pymodule_export]

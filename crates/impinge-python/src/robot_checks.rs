@@ -85,7 +85,7 @@ pub(crate) fn robot_check<'py>(
 }
 
 /// Returns the scene of some obstacles, each with one pose.
-fn obstacles(py: Python<'_>, parts: &[Part<'_>]) -> PyResult<Scene> {
+pub(crate) fn obstacles(py: Python<'_>, parts: &[Part<'_>]) -> PyResult<Scene> {
     let mut scene = Scene::new();
     for (name, thing, is_solid, given) in parts {
         let argument = format!("poses[{name:?}]");

@@ -14,7 +14,8 @@ const TETRAHEDRON: &str = "solid t\n\
 
 const ROBOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/robot.glb");
 
-const COMMANDS: [&str; 9] = ["bake", "check", "clash", "completions", "fit", "hits", "inspect", "man", "world"];
+const COMMANDS: [&str; 10] =
+    ["bake", "check", "clash", "completions", "fit", "hits", "inspect", "man", "robot", "world"];
 
 /// Returns the commands of the section "Examples" of a help text.
 fn examples(help: &str) -> Vec<&str> {
@@ -81,7 +82,9 @@ fn each_command_has_a_manual_page() {
     let mut pages: Vec<_> = entries.map(|page| page.unwrap().file_name().into_string().unwrap()).collect();
     pages.sort();
     let mut expected: Vec<_> = COMMANDS.iter().map(|command| format!("impinge-{command}.1")).collect();
+    expected.extend(["check", "clearance", "inspect", "motion"].map(|question| format!("impinge-robot-{question}.1")));
     expected.push("impinge.1".to_owned());
+    expected.sort();
     assert_eq!(pages, expected);
     assert!(folder.read("share/man1/impinge.1").contains("Examples:"));
     assert!(folder.read("share/man1/impinge-check.1").contains(r"\-\-clearance"));

@@ -12,6 +12,7 @@ mod hits;
 mod inspect;
 mod interrupt;
 mod limits;
+mod robot;
 mod solids;
 mod streams;
 mod units;

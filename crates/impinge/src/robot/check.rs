@@ -4,9 +4,10 @@ use std::collections::HashMap;
 use std::error::Error;
 use std::fmt;
 
+use super::cull::Culling;
 use super::error::ConfigurationError;
 use super::frame::Frame;
-use super::links::{PlacedLink, may_be_near};
+use super::links::{PlacedLink, PlacedLinks, may_be_near};
 use super::model::Robot;
 use super::obstacles::Obstacles;
 use crate::budget::{Budget, Stopped};
@@ -40,6 +41,15 @@ impl Default for CheckOptions<'_> {
     }
 }
 
+impl CheckOptions<'_> {
+    /// Validates the clearances.
+    pub(super) fn validate(&self) -> Result<(), CheckError> {
+        let is_valid = |clearance: &f64| clearance.is_finite() && *clearance >= 0.0;
+        let all = self.padding.iter().chain([&self.self_padding]);
+        if all.copied().all(|clearance| is_valid(&clearance)) { Ok(()) } else { Err(CheckError::Padding) }
+    }
+}
+
 /// The link or obstacle that a link collides with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Other {
@@ -68,6 +78,13 @@ pub enum CheckError {
     Configuration(ConfigurationError),
     /// A clearance is negative, NaN or infinite.
     Padding,
+    /// The starts and the ends of motions are lists of different lengths.
+    Lengths {
+        /// Number of values of the starts.
+        starts: usize,
+        /// Number of values of the ends.
+        ends: usize,
+    },
     /// A limit of the budget was reached.
     Stopped(Stopped),
 }
@@ -97,10 +114,7 @@ impl Robot {
         execution: Execution<'_>,
     ) -> Result<Answers<Vec<Collision>>, CheckError> {
         let rows = self.check_rows(configurations).map_err(CheckError::Configuration)?;
-        let is_valid = |clearance: &f64| clearance.is_finite() && *clearance >= 0.0;
-        if !options.padding.iter().chain([&options.self_padding]).all(is_valid) {
-            return Err(CheckError::Padding);
-        }
+        options.validate()?;
         let check = Check { robot: self, options, obstacles: Obstacles::new(options.obstacles, &options.ignored) };
         let columns = self.coordinates().len();
         let values = execution.rows(
@@ -123,7 +137,8 @@ struct Check<'c> {
 /// State that consecutive configurations share.
 struct State {
     frames: Vec<Frame>,
-    placed: Vec<PlacedLink>,
+    culling: Culling,
+    links: PlacedLinks,
     /// State of the last query of each pair of links, by the index of the pair.
     caches: Vec<Cache>,
     /// State of the last query of a link and an obstacle, by their indices.
@@ -134,32 +149,35 @@ struct State {
 impl State {
     fn new(robot: &Robot) -> Self {
         let caches = robot.pairs().iter().map(|_| Cache::default()).collect();
-        let placed = vec![PlacedLink::Nowhere; robot.links().len()];
-        Self { frames: Vec::new(), placed, caches, obstacle_caches: HashMap::new(), near: Vec::new() }
+        let links = PlacedLinks::new(robot.links().len());
+        let (frames, culling, near) = (Vec::new(), Culling::default(), Vec::new());
+        Self { frames, culling, links, caches, obstacle_caches: HashMap::new(), near }
     }
 }
 
 impl Check<'_> {
     /// Returns the collisions of a configuration.
     fn row(&self, configuration: &[f64], state: &mut State, budget: &Budget<'_>) -> Vec<Collision> {
-        self.robot.place(configuration, &mut state.frames);
-        let State { frames, placed, caches, obstacle_caches, near } = state;
-        for ((link, placed), frame) in self.robot.links().iter().zip(placed.iter_mut()).zip(&*frames) {
-            if let Some(shape) = &link.shape {
-                placed.move_to(shape, frame.pose());
-            }
-        }
+        let robot = self.robot;
+        robot.place(configuration, &mut state.frames);
+        let State { frames, culling, links, caches, obstacle_caches, near } = state;
+        culling.start(robot.proxies(), frames);
+        links.start();
         let mut found = Vec::new();
         let is_first = self.options.stop == Stop::First;
         let clearance = self.options.self_padding;
-        for (&[a, b], cache) in self.robot.pairs().iter().zip(caches) {
-            if may_be_near(&placed[a], &placed[b], clearance) {
-                // The caller discards the result if the budget is spent.
-                if budget.is_spent() {
-                    return found;
-                }
-                let pair = [&placed[a], &placed[b]];
-                found.extend(collision(a, Other::Link(b), proximity(pair, clearance, cache, budget)));
+        for (&pair @ [a, b], cache) in robot.pairs().iter().zip(caches) {
+            if culling.are_apart(pair, clearance, robot.proxies(), frames) {
+                continue;
+            }
+            // The caller discards the result if the budget is spent.
+            if budget.is_spent() {
+                return found;
+            }
+            pair.iter().for_each(|&link| links.place(link, robot, frames));
+            let placed = pair.map(|link| &links.placed[link]);
+            if may_be_near(placed[0], placed[1], clearance) {
+                found.extend(collision(a, Other::Link(b), proximity(placed, clearance, cache, budget)));
                 if is_first && !found.is_empty() {
                     return found;
                 }
@@ -168,8 +186,14 @@ impl Check<'_> {
         if self.obstacles.is_empty() {
             return found;
         }
-        for (link, placed) in placed.iter().enumerate().filter(|(_, placed)| !placed.is_nowhere()) {
+        for link in (0..frames.len()).filter(|&link| robot.links()[link].shape.is_some()) {
             let clearance = self.options.padding.get(link).copied().unwrap_or(0.0);
+            let limbs = culling.limbs(link, robot.proxies(), frames);
+            if limbs.is_some_and(|(limbs, slack)| !self.obstacles.may_be_near(limbs, clearance + slack)) {
+                continue;
+            }
+            links.place(link, robot, frames);
+            let placed = &links.placed[link];
             self.obstacles.near((link, placed), clearance, near);
             for &at in &*near {
                 if budget.is_spent() {
@@ -189,13 +213,13 @@ impl Check<'_> {
 }
 
 /// Returns whether two shapes are within a clearance of each other.
-fn proximity(pair: [&PlacedLink; 2], clearance: f64, cache: &mut Cache, budget: &Budget<'_>) -> Proximity {
+pub(super) fn proximity(pair: [&PlacedLink; 2], clearance: f64, cache: &mut Cache, budget: &Budget<'_>) -> Proximity {
     let [PlacedLink::At(a), PlacedLink::At(b)] = pair else { return Proximity::Undecided };
     let query = Query::new().with_cache(cache).with_budget(budget);
     if clearance > 0.0 { query.nearness(&**a, &**b, clearance) } else { query.proximity(&**a, &**b) }
 }
 
-fn collision(link: usize, other: Other, proximity: Proximity) -> Option<Collision> {
+pub(super) fn collision(link: usize, other: Other, proximity: Proximity) -> Option<Collision> {
     let is_undecided = proximity == Proximity::Undecided;
     (proximity != Proximity::Apart).then_some(Collision { link, other, is_undecided })
 }
@@ -205,6 +229,9 @@ impl fmt::Display for CheckError {
         match self {
             Self::Configuration(error) => write!(f, "{error}"),
             Self::Padding => f.write_str("a clearance is negative, NaN or infinite"),
+            Self::Lengths { starts, ends } => {
+                write!(f, "the starts of motions have {starts} values and their ends {ends}: pass as many of each")
+            }
             Self::Stopped(stopped) => write!(f, "{stopped}"),
         }
     }

@@ -33,6 +33,12 @@ impl Frame {
         Self(self.0.map(|[x, y, z, t]| [x, y, z, x * by[0] + y * by[1] + z * by[2] + t]))
     }
 
+    /// Returns the image of a point, rounded as that of [`Pose::apply`].
+    #[inline]
+    pub(super) fn apply(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        self.0.map(|[a, b, c, t]| a * x + b * y + c * z + t)
+    }
+
     /// Returns the pose of this map, or `None` if an entry is out of range.
     pub(super) fn pose(&self) -> Option<Pose> {
         Pose::new(self.0.map(|[x, y, z, _]| [x, y, z]), self.0.map(|row| row[3])).ok()

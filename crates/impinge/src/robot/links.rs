@@ -1,5 +1,7 @@
 //! Links and obstacles at their places in the world, with boxes about them.
 
+use super::frame::Frame;
+use super::model::Robot;
 use crate::math::Pose;
 use crate::shape::{PlacedShape, Shape};
 
@@ -25,11 +27,11 @@ impl PlacedLink {
 
     /// Moves the shape to another pose.
     pub(super) fn move_to(&mut self, shape: &Shape, pose: Option<Pose>) {
-        if let (Self::At(placed), Some(pose)) = (&mut *self, pose)
-            && let Ok(Some(mut stand)) = placed.stand_at(&pose)
-        {
-            placed.swap_stand(&mut stand);
-        } else {
+        let is_moved = match (&mut *self, pose) {
+            (Self::At(placed), Some(pose)) => placed.move_to(&pose).is_ok(),
+            _ => false,
+        };
+        if !is_moved {
             *self = Self::new(shape, pose);
         }
     }
@@ -44,6 +46,33 @@ impl PlacedLink {
 
     pub(super) fn is_nowhere(&self) -> bool {
         matches!(self, Self::Nowhere)
+    }
+}
+
+/// The links of a robot. Those that a configuration needs are placed, each once.
+#[derive(Clone, Debug)]
+pub(super) struct PlacedLinks {
+    pub(super) placed: Vec<PlacedLink>,
+    is_current: Vec<bool>,
+}
+
+impl PlacedLinks {
+    pub(super) fn new(count: usize) -> Self {
+        Self { placed: vec![PlacedLink::Nowhere; count], is_current: vec![false; count] }
+    }
+
+    /// Starts a configuration.
+    pub(super) fn start(&mut self) {
+        self.is_current.fill(false);
+    }
+
+    /// Places a link in the configuration with these frames.
+    pub(super) fn place(&mut self, link: usize, robot: &Robot, frames: &[Frame]) {
+        if !std::mem::replace(&mut self.is_current[link], true)
+            && let Some(shape) = &robot.links()[link].shape
+        {
+            self.placed[link].move_to(shape, frames[link].pose());
+        }
     }
 }
 

@@ -4,6 +4,8 @@
 //! row of values, one for each [coordinate](Coordinate) of the joints that move. [`Robot::poses`]
 //! returns where the links are. [`Robot::check`] finds the pairs of links that collide in each of
 //! many configurations, and the links that collide with the parts of a [`Scene`](crate::scene).
+//! [`Robot::check_motions`] proves that motions between configurations are free, and
+//! [`Robot::clearances`] measures how far configurations are from a collision.
 //! `impinge_files::load_robot` loads a robot from a URDF file.
 //!
 //! ```
@@ -27,19 +29,34 @@
 //! ```
 //!
 //! `joint` has the joints and their motions, `tree` validates the tree, `model` has the robot and
-//! its kinematics, `frame` the maps that they compose, `links` and `obstacles` the broad phase, and
-//! `check` the checks. Guarded by `tests/it/robots`.
+//! its kinematics, and `frame` the maps that they compose. `outline` and `proxy` have volumes about
+//! links, `cull` culls pairs by them, and `links` and `obstacles` place shapes. `check` has the
+//! checks, `clearance` the clearances, and `motion` the proofs of motions: `reach` bounds how far
+//! links move, `interval` examines an interval, and `certificate` verifies proofs. Guarded by
+//! `tests/it/robots`.
 
+mod certificate;
 mod check;
+mod clearance;
+mod cull;
 mod error;
 mod frame;
+mod interval;
 mod joint;
 mod links;
 mod model;
+mod motion;
 mod obstacles;
+mod outline;
+mod proxy;
+mod reach;
 mod tree;
 
+pub use certificate::{Certificate, CertificateError};
 pub use check::{CheckError, CheckOptions, Collision, Other};
+pub use clearance::{Clearance, ClearanceOptions};
 pub use error::{ConfigurationError, RobotError};
+pub use interval::CertificateRow;
 pub use joint::{Joint, JointKind, Mimic};
 pub use model::{Coordinate, IgnoredReason, Link, Robot};
+pub use motion::{MotionCheck, MotionOptions, Verdict};

@@ -1,11 +1,13 @@
 //! A robot: links with shapes, joints, and the pairs of links that are checked.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::error::{ConfigurationError, RobotError};
 use super::frame::Frame;
 use super::joint::{InvalidValue, Joint};
-use super::tree::Tree;
+use super::proxy::Proxy;
+use super::tree::{Step, Tree};
 use crate::math::Pose;
 use crate::shape::Shape;
 
@@ -60,6 +62,8 @@ pub struct Robot {
     /// Pairs of links, the smaller index first, that the user disabled for a reason or enabled.
     choices: HashMap<[usize; 2], Option<String>>,
     pairs: Vec<[usize; 2]>,
+    /// Volumes about the shape of each link.
+    proxies: Arc<[Proxy]>,
 }
 
 impl Robot {
@@ -88,7 +92,11 @@ impl Robot {
             Coordinate { name: name.clone(), joint: *joint, limits }
         };
         let coordinates = tree.coordinates.iter().map(coordinate).collect();
-        let mut robot = Self { links, joints, tree, coordinates, by_name, choices: HashMap::new(), pairs: Vec::new() };
+        let stretches = tree.stretches();
+        let proxies =
+            links.iter().zip(stretches).map(|(link, stretch)| Proxy::of(link.shape.as_ref(), stretch)).collect();
+        let (choices, pairs) = (HashMap::new(), Vec::new());
+        let mut robot = Self { links, joints, tree, coordinates, by_name, choices, pairs, proxies };
         robot.pairs = robot.all_pairs().filter(|&[a, b]| robot.ignored_reason(a, b).is_none()).collect();
         Ok(robot)
     }
@@ -234,6 +242,21 @@ impl Robot {
             let values = step.source.values(configuration, &mut followed);
             frames[step.child] = frames[step.parent].after(&step.motion.parent_from_child(values));
         }
+    }
+
+    /// Returns volumes about the shape of each link.
+    pub(super) fn proxies(&self) -> &[Proxy] {
+        &self.proxies
+    }
+
+    /// Returns the steps of the kinematics, parents first.
+    pub(super) fn steps(&self) -> &[Step] {
+        &self.tree.steps
+    }
+
+    /// Returns for each link a bound on the factor by which its pose stretches any length.
+    pub(super) fn stretches(&self) -> Vec<f64> {
+        self.tree.stretches()
     }
 
     /// Returns all pairs of links with shapes, sorted.

@@ -1,7 +1,9 @@
 //! The parts of a scene as obstacles of a robot: they stay in their places.
 
 use std::collections::HashSet;
+use std::ops::ControlFlow;
 
+use super::cull::Limb;
 use super::links::{PlacedLink, may_be_near};
 use crate::partition::{BoxTree, Partition};
 use crate::scene::{PartId, Scene};
@@ -39,6 +41,33 @@ impl Obstacles {
         Self { parts, tree, unbounded, ignored: ignored.iter().copied().collect() }
     }
 
+    /// Calls `visit` with the index of each obstacle that is compared with a link and may be within
+    /// a limit, and with a lower bound of its distance. `limbs` are the capsules about the link, if
+    /// any are known, and the rounding of their places.
+    pub(super) fn distances(
+        &self,
+        link: usize,
+        limbs: Option<(&[Limb], f64)>,
+        limit: f64,
+        mut visit: impl FnMut(usize, f64),
+    ) {
+        for (at, (part, placed)) in self.parts.iter().enumerate() {
+            if placed.is_nowhere() || self.ignored.contains(&(link, *part)) {
+                continue;
+            }
+            let least = match (limbs, placed.bounds()) {
+                (Some((limbs, slack)), Some(bounds)) => {
+                    let gaps = limbs.iter().map(|limb| gap_of_box(limb, bounds));
+                    (gaps.fold(f64::INFINITY, f64::min) - slack).max(0.0)
+                }
+                _ => 0.0,
+            };
+            if least <= limit {
+                visit(at, least);
+            }
+        }
+    }
+
     /// Finds the obstacles that may be within a clearance of a link, in the order of the scene.
     pub(super) fn near(&self, link: (usize, &PlacedLink), clearance: f64, found: &mut Vec<usize>) {
         found.clear();
@@ -51,7 +80,7 @@ impl Obstacles {
             (Some(tree), Some(bounds)) => {
                 _ = tree.overlapping(&bounds, &mut |key| {
                     found.push(key as usize);
-                    std::ops::ControlFlow::Continue(())
+                    ControlFlow::Continue(())
                 });
                 found.extend(&self.unbounded);
                 found.retain(|at| is_near(at));
@@ -59,6 +88,24 @@ impl Obstacles {
             }
             _ => found.extend((0..self.parts.len()).filter(is_near)),
         }
+    }
+
+    /// Reports whether capsules may be within a clearance of an obstacle, by the box of each.
+    pub(super) fn may_be_near(&self, limbs: &[Limb], clearance: f64) -> bool {
+        if !self.unbounded.is_empty() {
+            return true;
+        }
+        limbs.iter().any(|limb| {
+            let [start, end] = limb.ends;
+            let reach = (limb.radius + clearance).next_up();
+            let min = std::array::from_fn(|k| (start[k].min(end[k]) - reach).next_down());
+            let max = std::array::from_fn(|k| (start[k].max(end[k]) + reach).next_up());
+            let overlaps = |[low, high]: [[f64; 3]; 2]| (0..3).all(|k| min[k] <= high[k] && low[k] <= max[k]);
+            match (&self.tree, MinMax::new(min, max)) {
+                (Some(tree), Ok(bounds)) => tree.overlapping(&bounds, &mut |_| ControlFlow::Break(())).is_break(),
+                _ => self.parts.iter().any(|(_, placed)| placed.bounds().is_some_and(overlaps)),
+            }
+        })
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -70,6 +117,14 @@ impl Obstacles {
         let (part, placed) = &self.parts[at];
         (*part, placed)
     }
+}
+
+/// Returns a lower bound of the distance of a capsule and a box: that of the box about the capsule.
+fn gap_of_box(limb: &Limb, [min, max]: [[f64; 3]; 2]) -> f64 {
+    let [start, end] = limb.ends;
+    let gap = |k: usize| (min[k] - start[k].max(end[k])).max(start[k].min(end[k]) - max[k]).max(0.0);
+    let squared = (0..3).map(|k| gap(k) * gap(k)).sum::<f64>();
+    squared.sqrt() * (1.0 - 16.0 * f64::EPSILON) - limb.radius
 }
 
 /// Returns the box about a link, grown by a clearance, rounded outwards.

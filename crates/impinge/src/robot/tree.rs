@@ -38,6 +38,8 @@ pub(super) struct Step {
     pub(super) child: usize,
     pub(super) motion: Motion,
     pub(super) source: Source,
+    /// Bound on the factor by which the origin of the joint stretches lengths.
+    pub(super) stretch: f64,
 }
 
 /// A tree of links.
@@ -107,14 +109,14 @@ impl Tree {
         while let Some(parent) = placed.pop() {
             for &at in &children[parent] {
                 let joint = &joints[at];
-                check(joint)?;
+                let stretch = check(joint)?;
                 let child = link_of[joint.child.as_str()];
                 let motion = Motion::of(joint).ok_or_else(|| RobotError::Axis { joint: joint.name.clone() })?;
                 let source = sources[at];
                 tree.parents[child] = Some(parent);
                 tree.bodies[child] = if source.count == 0 { tree.bodies[parent] } else { bodies };
                 bodies += usize::from(source.count > 0);
-                tree.steps.push(Step { parent, child, motion, source });
+                tree.steps.push(Step { parent, child, motion, source, stretch });
                 placed.push(child);
             }
         }
@@ -123,6 +125,21 @@ impl Tree {
             None => Ok(tree),
         }
     }
+
+    /// Returns for each link a bound on the factor by which its pose stretches any length.
+    ///
+    /// Each joint multiplies it by the stretch of its origin. Its rotation and the rounding of the
+    /// product add a few units of 2^-53, which [`ROUNDING`](Self::ROUNDING) covers.
+    pub(super) fn stretches(&self) -> Vec<f64> {
+        let mut stretches = vec![1.0 + Self::ROUNDING; self.bodies.len()];
+        for step in &self.steps {
+            stretches[step.child] = stretches[step.parent] * step.stretch * (1.0 + Self::ROUNDING);
+        }
+        stretches
+    }
+
+    /// Bound on what a rotation, its product and the rounding here add to a stretch, 2^-44.
+    const ROUNDING: f64 = 256.0 * f64::EPSILON;
 }
 
 /// Returns the index of each name, or a name that occurs twice.
@@ -136,8 +153,8 @@ fn indices<'a>(names: impl Iterator<Item = &'a str>) -> Result<HashMap<&'a str, 
     Ok(found)
 }
 
-/// Validates the numbers of a joint.
-fn check(joint: &Joint) -> Result<(), RobotError> {
+/// Validates the numbers of a joint. Returns a bound on the stretch of its origin.
+fn check(joint: &Joint) -> Result<f64, RobotError> {
     let name = || joint.name.clone();
     if let Some(limits @ [lower, upper]) = joint.limits
         && (lower.is_nan() || upper.is_nan() || lower > upper)
@@ -149,7 +166,7 @@ fn check(joint: &Joint) -> Result<(), RobotError> {
     {
         return Err(RobotError::MimicNumber { joint: name() });
     }
-    stretch(&joint.parent_from_joint).map(drop).map_err(|error| RobotError::Origin { joint: name(), error })
+    stretch(&joint.parent_from_joint).map_err(|error| RobotError::Origin { joint: name(), error })
 }
 
 /// Returns the coordinates that move each joint. A joint that follows others has one rule for the

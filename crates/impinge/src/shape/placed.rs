@@ -216,6 +216,27 @@ impl PlacedShape {
         std::mem::swap(&mut self.stand, stand);
     }
 
+    /// Moves the shape to another pose, as [`Shape::at`] places it, without allocating memory for
+    /// its parts again.
+    ///
+    /// # Errors
+    /// As for [`Shape::at`]. The parts may be at either pose then.
+    pub(crate) fn move_to(&mut self, world_from_local: &Pose) -> Result<(), InputError> {
+        if let Some(stand) = self.stand_at(world_from_local)? {
+            self.stand = stand;
+        }
+        if let (Kind::Compound(shapes), Some(parts)) = (&self.kind, &mut self.parts) {
+            let Parts { all, tree } = Arc::make_mut(parts);
+            for ((_, compound_from_part), part) in shapes.iter().zip(&mut *all) {
+                part.move_to(&world_from_local.compose(compound_from_part)?)?;
+            }
+            *tree = PartTree::of(all.iter().map(Self::bounds));
+            self.stand = Stand::at(*world_from_local);
+            self.stand.bounds = Bounds::of(self.world_bounds());
+        }
+        Ok(())
+    }
+
     /// Prefetches the pointer to the corners of a polytope.
     pub(crate) fn prefetch(&self) {
         if let Kind::Polytope(corners) | Kind::Round { core: RoundCore::Polytope(corners), .. } = &self.kind {
@@ -284,21 +305,14 @@ impl PlacedShape {
         self.parts.as_deref()?.tree.as_ref()
     }
 
-    /// Computes a box in the world frame that contains all parts, if they are bounded.
+    /// Returns the box of all parts, which are placed, if they are bounded.
     fn world_bounds(&self) -> Option<[[f64; 3]; 2]> {
         let mut all: Option<[[f64; 3]; 2]> = None;
         for part in self.parts() {
-            let [min, max] = match part.form() {
-                Form::Convex(swept) => swept.world_bounds(),
-                Form::Surface(surface) => match surface.world_bounds() {
-                    Some(bounds) => bounds,
-                    None => continue,
-                },
-                Form::Field(field) => match field.world_bounds() {
-                    Some(bounds) => bounds,
-                    None => continue,
-                },
-                Form::HalfSpace(_) => return None,
+            let [min, max] = match part.stand.bounds {
+                Bounds::Box(bounds) => bounds,
+                Bounds::Unknown => continue,
+                Bounds::Plane(..) => return None,
             };
             let [low, high] = all.unwrap_or([min, max]);
             all = Some([std::array::from_fn(|k| low[k].min(min[k])), std::array::from_fn(|k| high[k].max(max[k]))]);
@@ -310,9 +324,9 @@ impl PlacedShape {
 impl From<PlacedMesh<'_>> for PlacedShape {
     fn from(placed: PlacedMesh<'_>) -> Self {
         let kind = Kind::Mesh { mesh: placed.mesh.clone(), is_solid: placed.is_solid };
-        let mut shape = Self { kind, stand: Stand::at(placed.world_from_mesh), parts: None };
-        shape.stand.bounds = Bounds::of(shape.world_bounds());
-        shape
+        let surface = Surface { mesh: placed.mesh, pose: &placed.world_from_mesh, is_solid: placed.is_solid };
+        let bounds = Bounds::of(surface.world_bounds());
+        Self { kind, stand: Stand { bounds, ..Stand::at(placed.world_from_mesh) }, parts: None }
     }
 }
 

@@ -1,7 +1,9 @@
 //! Robots against chains of poses, and checks against queries pair by pair.
 
 mod checks;
+mod clearances;
 mod kinematics;
+mod motions;
 mod trees;
 
 use impinge::robot::{Joint, JointKind, Link, Mimic, Robot};

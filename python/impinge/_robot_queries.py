@@ -1,0 +1,318 @@
+"""Questions about the configurations and motions of a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from impinge import _impinge
+from impinge._errors import InputError
+from impinge._robot_arguments import check_limits, clearance, known, pairs_of
+from impinge._robot_motion import RobotClearance, RobotMotion
+from impinge._robot_report import RobotReport
+from impinge._scalars import chosen, real, whole
+from impinge._scene import Scene
+
+Obstacles = list[tuple[str, Any, bool, Any]]
+
+
+class RobotQueries:
+    """The questions that `Robot` answers."""
+
+    _core: _impinge.RobotCore
+
+    @cached_property
+    def links(self) -> tuple[str, ...]:
+        """Names of all links."""
+        return tuple(name for name, _ in self._core.links())
+
+    @cached_property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the coordinates of a configuration, in the order of the joints of the file.
+
+        They are the joints that move, without those that follow another. Planar and floating joints
+        have several coordinates, such as ``base/x``.
+        """
+        return tuple(name for name, _, _ in self._core.coordinates())
+
+    @property
+    def dof(self) -> int:
+        """Number of coordinates of a configuration."""
+        return len(self.joints)
+
+    @property
+    def lower(self) -> NDArray[np.float64]:
+        """Lower limit of each coordinate, in radians or meters; -inf if there is none."""
+        return np.array([lower for _, lower, _ in self._core.coordinates()])
+
+    @property
+    def upper(self) -> NDArray[np.float64]:
+        """Upper limit of each coordinate, in radians or meters; inf if there is none."""
+        return np.array([upper for _, _, upper in self._core.coordinates()])
+
+    def check(
+        self,
+        q: ArrayLike,
+        scene: Scene | None = None,
+        *,
+        poses: Mapping[str, ArrayLike] | None = None,
+        stop: Literal["first", "all"] = "first",
+        padding: float | Mapping[str, float] = 0.0,
+        self_padding: float = 0.0,
+        ignored: Iterable[tuple[str, str]] = (),
+        on_limits: Literal["ignore", "raise"] = "ignore",
+        progress: bool = False,
+    ) -> RobotReport:
+        """Check which configurations collide: links with each other, and with a scene.
+
+        A pair of links collides exactly if `impinge.intersects` says so for their `shapes` at the
+        poses of `at`.
+
+        Parameters
+        ----------
+        q : (..., dof) array_like
+            Configurations, in radians and meters, one value for each of `joints`.
+        scene : Scene, optional
+            Obstacles. Pairs of two obstacles are not checked.
+        poses : mapping of str to (4, 4) array_like, optional
+            World from part, for parts of the scene. A part without a pose has the identity.
+        stop : {"first", "all"}
+            Whether a configuration is finished at the first pair found, or all pairs are checked.
+        padding : float or mapping of str to float
+            Distance in meters that links must keep from obstacles: for all links, or for each link
+            by its name, where ``"*"`` stands for all others.
+        self_padding : float
+            Distance in meters that links must keep from each other.
+        ignored : iterable of (str, str), optional
+            Pairs of a link and a part of the scene that are not checked, such as the base and the
+            floor that it stands on.
+        on_limits : {"ignore", "raise"}
+            Whether a value beyond the limits of its joint is an error.
+        progress : bool
+            As for `impinge.intersects`.
+
+        Returns
+        -------
+        RobotReport
+            The report is the same for any number of threads.
+
+        Raises
+        ------
+        InputError
+            As for `at`; if a name is unknown, or if a distance is negative.
+        """
+        rows, lead = self._rows(q)
+        chosen(stop, ("first", "all"), "stop")
+        chosen(on_limits, ("ignore", "raise"), "on_limits")
+        if on_limits == "raise":
+            check_limits(rows, lead, self.joints, (self.lower, self.upper))
+        clearances = clearance(self_padding, "self_padding"), self._paddings(padding)
+        obstacles, skipped = self._obstacles(scene, poses, ignored)
+        answer = _impinge.robot_check(self._core, rows, stop == "first", clearances, obstacles, skipped, progress)
+        return RobotReport(answer, lead, self._names(obstacles), stopped_at_first=stop == "first")
+
+    def clearance(
+        self,
+        q: ArrayLike,
+        scene: Scene | None = None,
+        *,
+        limit: float | None = None,
+        poses: Mapping[str, ArrayLike] | None = None,
+        ignored: Iterable[tuple[str, str]] = (),
+        progress: bool = False,
+    ) -> RobotClearance:
+        """Return how far each configuration is from a collision.
+
+        The clearance is the distance of the nearest pair that `check` checks.
+
+        Parameters
+        ----------
+        q : (..., dof) array_like
+            Configurations, in radians and meters.
+        scene : Scene, optional
+            As for `check`, as are `poses`, `ignored` and `progress`.
+        limit : float, optional
+            Distance in meters beyond which clearances do not matter. With a limit the call is
+            faster.
+
+        Returns
+        -------
+        RobotClearance
+            The bounds of each clearance, the nearest pair, and its nearest points.
+
+        Raises
+        ------
+        InputError
+            As for `check`; if the limit is negative.
+        """
+        rows, lead = self._rows(q)
+        farthest = np.inf if limit is None else real(limit, "limit", minimum=0)
+        obstacles, skipped = self._obstacles(scene, poses, ignored)
+        answer = _impinge.robot_clearance(self._core, rows, farthest, obstacles, skipped, progress)
+        return RobotClearance(answer, lead, self._names(obstacles))
+
+    def check_motion(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        scene: Scene | None = None,
+        *,
+        clearance: float = 0.0,
+        poses: Mapping[str, ArrayLike] | None = None,
+        ignored: Iterable[tuple[str, str]] = (),
+        certificate: bool = False,
+        max_steps: int = 1 << 17,
+        progress: bool = False,
+    ) -> RobotMotion:
+        """Prove that straight motions between configurations are free, or find the first contact.
+
+        At time t, from 0 to 1, the robot is at ``(1 - t) * q0 + t * q1``. No verdict is by
+        sampling: bounds on how far each link moves prove whole intervals of the motion free.
+
+        Parameters
+        ----------
+        q0, q1 : (..., dof) array_like
+            Starts and ends of motions, in radians and meters. Leading axes broadcast.
+        scene : Scene, optional
+            As for `check`, as are `poses`, `ignored` and `progress`.
+        clearance : float
+            Distance in meters that links must keep from each other and from obstacles.
+        certificate : bool
+            Whether to keep the proofs of free motions, which `RobotMotion.verify` verifies.
+        max_steps : int
+            Maximum number of configurations that are examined for a motion. A motion that needs
+            more is undecided.
+
+        Returns
+        -------
+        RobotMotion
+            The verdict about each motion, and the times of first contacts.
+
+        Raises
+        ------
+        InputError
+            As for `check`.
+        """
+        (starts, _), (ends, _) = self._rows(q0, "q0"), self._rows(q1, "q1")
+        leads = [np.shape(q)[:-1] for q in (q0, q1)]
+        try:
+            lead = np.broadcast_shapes(*leads)
+        except ValueError:
+            message = f"the leading axes {leads[1]} do not broadcast with {leads[0]}"
+            raise InputError(message, kind="shape", what="q1") from None
+        pair = [
+            np.ascontiguousarray(np.broadcast_to(rows.reshape(*own, self.dof), (*lead, self.dof))).reshape(rows_shape)
+            for rows, own in zip((starts, ends), leads, strict=True)
+            for rows_shape in [(-1, self.dof) if self.dof else (-1,)]
+        ]
+        obstacles, skipped = self._obstacles(scene, poses, ignored)
+        distance = real(clearance, "clearance", minimum=0)
+        surroundings = ((distance, [distance] * len(self.links)), obstacles, skipped)
+        both = (pair[0], pair[1])
+        options = whole(max_steps, "max_steps"), bool(certificate), progress
+        answer = _impinge.robot_motions(self._core, both, surroundings, *options)
+        question = (self, both, surroundings)
+        return RobotMotion(answer, lead, self._names(obstacles), question, has_certificate=bool(certificate))
+
+    def check_path(
+        self,
+        waypoints: ArrayLike,
+        scene: Scene | None = None,
+        *,
+        clearance: float = 0.0,
+        poses: Mapping[str, ArrayLike] | None = None,
+        ignored: Iterable[tuple[str, str]] = (),
+        certificate: bool = False,
+        max_steps: int = 1 << 17,
+        progress: bool = False,
+    ) -> RobotMotion:
+        """Prove that the straight legs between consecutive waypoints are free, as `check_motion`.
+
+        Parameters
+        ----------
+        waypoints : (n, dof) array_like
+            Configurations on the path, at least two.
+        scene, clearance, poses, ignored, certificate, max_steps, progress
+            As for `check_motion`.
+
+        Returns
+        -------
+        RobotMotion
+            The verdict about each leg, with one axis of n - 1 legs; `RobotMotion.path` joins them.
+
+        Raises
+        ------
+        InputError
+            As for `check_motion`.
+        """
+        rows, lead = self._rows(waypoints, "waypoints")
+        if len(lead) != 1 or lead[0] < 2:
+            message = f"must be at least two rows of {self.dof} columns; the shape is {np.shape(waypoints)}"
+            raise InputError(message, kind="shape", what="waypoints")
+        rows = rows.reshape(*lead, self.dof)
+        return self.check_motion(
+            rows[:-1],
+            rows[1:],
+            scene,
+            clearance=clearance,
+            poses=poses,
+            ignored=ignored,
+            certificate=certificate,
+            max_steps=max_steps,
+            progress=progress,
+        )
+
+    def _obstacles(
+        self,
+        scene: Scene | None,
+        poses: Mapping[str, ArrayLike] | None,
+        ignored: Iterable[tuple[str, str]],
+    ) -> tuple[Obstacles, list[tuple[int, int]]]:
+        """Return the parts of a scene, and pairs of indices of links and parts to ignore."""
+        if scene is not None and not isinstance(scene, Scene):
+            raise InputError(f"must be impinge.Scene, not {type(scene).__name__}", kind="type", what="scene")
+        parts = {} if scene is None else scene.parts
+        places = {} if poses is None else poses
+        if not isinstance(places, Mapping):
+            raise InputError(f"must be a mapping, not {type(places).__name__}", kind="type", what="poses")
+        for name in places:
+            known(name, parts, "part", "poses")
+        solid = scene is not None and scene._solid
+        obstacles = [(name, part, solid, places.get(name)) for name, part in parts.items()]
+        numbers = {name: at for at, name in enumerate(parts)}
+        links = {name: at for at, name in enumerate(self.links)}
+        pairs = pairs_of(ignored)
+        skipped = [(known(a, links, "link", "ignored"), known(b, numbers, "part", "ignored")) for a, b in pairs]
+        return obstacles, skipped
+
+    def _names(self, obstacles: Obstacles) -> tuple[str, ...]:
+        """Return the names of the links and of the parts of a scene."""
+        return (*self.links, *(name for name, *_ in obstacles))
+
+    def _rows(self, q: ArrayLike, what: str = "q") -> tuple[NDArray[np.float64], tuple[int, ...]]:
+        """Return configurations as rows, and their leading axes."""
+        try:
+            values = np.asarray(q, np.float64)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"must be numbers ({error})", kind="type", what=what) from None
+        if values.ndim == 0 or values.shape[-1] != self.dof:
+            message = f"must have {self.dof} columns, {', '.join(self.joints)}; the shape is {values.shape}"
+            raise InputError(message, kind="shape", what=what)
+        lead = values.shape[:-1]
+        return np.ascontiguousarray(values.reshape(-1, self.dof) if self.dof else values.reshape(-1)), lead
+
+    def _paddings(self, padding: float | Mapping[str, float]) -> list[float]:
+        """Return the padding of each link."""
+        if not isinstance(padding, Mapping):
+            return [clearance(padding, "padding")] * len(self.links)
+        others = clearance(padding.get("*", 0.0), "padding")
+        paddings = [others] * len(self.links)
+        links = {name: at for at, name in enumerate(self.links)}
+        for name, distance in padding.items():
+            if name != "*":
+                paddings[known(name, links, "link", "padding")] = clearance(distance, "padding")
+        return paddings
