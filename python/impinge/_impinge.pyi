@@ -436,6 +436,9 @@ def robot_check(
     ignored: list[tuple[int, int]],
     progress: bool,
 ) -> tuple[NDArray[np.int64], NDArray[np.uint32], NDArray[np.bool_]]: ...
+class ClashPage:
+    def html(self) -> str: ...
+
 def clash(
     scenes: list[tuple[str, list[Any], list[tuple[int, int]]]],
     unit: str | None,

@@ -8,7 +8,8 @@ export function followAddress(store: Store): void {
   };
   addEventListener("hashchange", read);
   store.listen(({ selected }, changed) => {
-    if (changed.has("selected")) history.replaceState(null, "", selected === undefined ? "#" : `#${selected.id}`);
+    // A page inside a notebook has no address.
+    if (changed.has("selected") && location.protocol !== "about:") history.replaceState(null, "", selected === undefined ? "#" : `#${selected.id}`);
   });
   read();
 }

@@ -1,4 +1,5 @@
 /** Everything that the page shows: findings with their parts, names of parts, and geometry. */
+import { around } from "./boxes";
 import { readBlock, readJson } from "./blocks";
 import { readGeometry, type Box, type Geometry, type Polyline, type Vector } from "./geometry";
 import type { ClashRow, DuplicateRow, Facts, Interval, Kind, Part, Report, Status } from "./report";
@@ -21,6 +22,8 @@ export interface Finding {
   readonly gap: Interval | undefined;
   readonly point: Vector | undefined;
   readonly box: Box | undefined;
+  /** The box of what there is to see: of the curves, or else the box of the report. */
+  readonly extent: Box | undefined;
   readonly proved: boolean;
   readonly why: string | undefined;
   readonly curves: readonly Polyline[];
@@ -86,6 +89,7 @@ function finding(row: ClashRow | DuplicateRow, parts: Part[], own: Own, place: (
     ...own,
     outer: own.outer,
     curves: own.curves ?? [],
+    extent: extentOf(own, clash?.point),
     id: row.id,
     parts,
     places: parts.map(place),
@@ -99,4 +103,11 @@ function finding(row: ClashRow | DuplicateRow, parts: Part[], own: Own, place: (
     text: [row.id, own.kind, row.rule ?? "", row.severity ?? "", own.sentence, ...words].join("\n").toLowerCase(),
     row,
   };
+}
+
+function extentOf({ kind, box, curves = [] }: Own, point: Vector | undefined): Box | undefined {
+  // The curves of a part inside another show only where it touches the other from inside.
+  if (kind === "contained" || curves.length === 0) return box;
+  const points = curves.flatMap((line) => Array.from({ length: line.length / 3 }, (_, at) => [...line.subarray(3 * at, 3 * at + 3)] as unknown as Vector));
+  return around(point === undefined ? points : [...points, point]);
 }

@@ -1,6 +1,7 @@
 /** The view in three dimensions: the model, the selected finding, and what the person does with them. */
 import { Color, DirectionalLight, HemisphereLight, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Ray } from "three";
-import type { Box, Vector } from "../data/geometry";
+import { around, diagonal, middle } from "../data/boxes";
+import type { Box } from "../data/geometry";
 import type { Lengths } from "../data/length";
 import type { Finding } from "../data/model";
 import { get } from "../elements";
@@ -15,7 +16,7 @@ import { Picker, type Hit } from "./picker";
 import { Placement } from "./placement";
 import { Section } from "./section";
 import { SectionCaps } from "./section-caps";
-import { Resolution } from "./resolution";
+import { isSoftware, Resolution } from "./resolution";
 import { Scale } from "./scale";
 import { clearestDirection } from "./clearest-direction";
 
@@ -42,7 +43,7 @@ export class SceneView {
   private readonly measure: Measure;
   private readonly section = new Section();
   private readonly scale: Scale;
-  private readonly resolution = new Resolution();
+  private readonly resolution: Resolution;
   private rest = 0;
   private readonly lamp = new DirectionalLight(0xffffff, 1.6);
   private theme: Theme = LIGHT;
@@ -54,9 +55,10 @@ export class SceneView {
     private readonly store: Store,
     lengths: Lengths,
   ) {
-    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, stencil: true });
+    const isSlow = isSoftware();
+    this.resolution = new Resolution(isSlow);
+    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !isSlow, stencil: true });
     this.renderer.localClippingEnabled = true;
-    this.renderer.info.autoReset = true;
     this.placement = new Placement(store.model.geometry);
     this.placement.origin = middle(this.modelBox());
     this.picker = new Picker(this.placement);
@@ -154,7 +156,6 @@ export class SceneView {
     const isSelected = new Set(selected?.places);
     this.focus.show(selected, hidden, this.theme);
     this.context.setSolid(surroundings === "solid");
-    this.context.mesh.visible = surroundings !== "none" || selected === undefined;
     this.context.show((place) => !isSelected.has(place) && !hidden.has(place));
     this.markers.points.visible = selected === undefined;
     if (selected === undefined) this.markers.show(kept);
@@ -181,7 +182,6 @@ export class SceneView {
     const radius = Math.max(diagonal(box) / 2, 1e-9);
     const isClash = what === "clash" && selected !== undefined;
     const reach = isClash ? this.reachOf(selected) : radius;
-    if (isClash) target.set(...this.placement.toView(placeOf(selected) ?? middle(box)));
     const toCamera = isClash ? clearestDirection(selected, target, this.orbit, this.placement, this.picker) : this.toCamera;
     this.orbit.fly({ target, distance: this.orbit.distanceFor(reach), ...this.orbit.angles(toCamera) });
   }
@@ -191,15 +191,16 @@ export class SceneView {
     if (finding === undefined) return diagonal(this.modelBox()) / 2;
     const all = finding.places.slice(0, 2).map((place) => diagonal(this.store.model.geometry.parts[place]?.box));
     const sizes = all.filter((size) => size > 0);
-    if (sizes.length === 0) return Math.max(0.75 * diagonal(finding.box), 1e-9);
+    const own = Math.max(0.75 * diagonal(finding.extent), 1e-9);
+    if (sizes.length === 0) return own;
     const [least, most] = [Math.min(...sizes), Math.max(...sizes)];
-    return Math.max(0.75 * diagonal(finding.box), 0.12 * least, 0.05 * Math.sqrt(least * most));
+    return Math.max(own, 0.12 * least, 0.05 * Math.sqrt(least * most));
   }
 
   private boxOf(finding: Finding, isWhole: boolean): Box {
     const { parts } = this.store.model.geometry;
     const own = finding.places.flatMap((place) => parts[place]?.box ?? []);
-    if (!isWhole && finding.box !== undefined) return finding.box;
+    if (!isWhole && finding.extent !== undefined) return finding.extent;
     return own.length === 0 ? this.modelBox() : around(own);
   }
 
@@ -316,6 +317,8 @@ export class SceneView {
     const at = selected === undefined ? this.orbit.stance.target : new Vector3(...this.placement.toView(placeOf(selected) ?? [0, 0, 0]));
     const reach = selected === undefined ? 1e30 : 2 * this.reachOf(selected);
     this.context.setPivot(at.clone().applyMatrix4(camera.matrixWorldInverse), reach);
+    const { surroundings } = this.store.now;
+    this.context.mesh.visible = selected === undefined || (surroundings !== "none" && !this.resolution.isTooSlow);
     this.renderer.render(this.scene, camera);
     this.measure.placeLabel(this.toScreen);
     this.scale.show(this.orbit.lengthOfPixel(), camera);
@@ -323,34 +326,13 @@ export class SceneView {
   }
 
   private setResolution(now: number): void {
-    const finest = Math.min(devicePixelRatio, 2);
-    const ratio = this.resolution.at(now, finest);
+    const ratio = this.resolution.at(now);
     if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
     clearTimeout(this.rest);
-    if (ratio < finest) this.rest = setTimeout(() => this.redraw(), this.resolution.rest + 50);
+    if (ratio < this.resolution.finest) this.rest = setTimeout(() => this.redraw(), this.resolution.rest + 50);
   }
 
   private reachFromOrigin(): number {
     return Math.max(...this.modelBox().map((corner) => new Vector3(...this.placement.toView(corner)).length()));
   }
-}
-
-function middle([low, high]: Box): Vector {
-  return [0, 1, 2].map((axis) => 0.5 * low[axis] + 0.5 * high[axis]) as unknown as Vector;
-}
-
-function diagonal(box: Box | undefined): number {
-  return box === undefined ? 0 : Math.hypot(...[0, 1, 2].map((axis) => box[1][axis] - box[0][axis]));
-}
-
-function around(points: readonly Vector[]): Box {
-  const low: [number, number, number] = [Infinity, Infinity, Infinity];
-  const high: [number, number, number] = [-Infinity, -Infinity, -Infinity];
-  for (const point of points) {
-    for (let axis = 0; axis < 3; axis++) {
-      low[axis] = Math.min(low[axis], point[axis]);
-      high[axis] = Math.max(high[axis], point[axis]);
-    }
-  }
-  return [low, high];
 }

@@ -1,0 +1,21 @@
+/**
+ * Makes the picture of the page for the documentation:
+ *
+ *     cargo xtask viewer
+ *     cd viewer && IMPINGE_PAGE=$PWD/../target/viewer/gearbox.html CHROMIUM=chromium npm run screenshot
+ *
+ * The second argument of the script is an identity of another clash.
+ */
+import { launch, open } from "./browser.js";
+
+/** The picture, relative to the folder of the sources. */
+const PICTURE = "../docs/images/clash-page.png";
+
+const browser = await launch();
+const { page } = await open(browser, undefined, { viewport: { width: 1280, height: 720 } });
+const [, , clash] = process.argv;
+if (clash === undefined) await page.keyboard.press("n");
+else await page.evaluate((id) => (location.hash = id), clash);
+await page.waitForTimeout(2000); // a slow machine draws the fine picture last
+await page.screenshot({ path: PICTURE });
+await browser.close();
