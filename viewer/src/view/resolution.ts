@@ -1,13 +1,9 @@
 /** The resolution of the view: coarser during motion on slow machines, and always fine at rest. */
 
-/** Longest time between two pictures of one motion in milliseconds, with a graphics card and without one. */
-const SAME_MOTION = 400;
-const SAME_SOFTWARE_MOTION = 1200;
-
-/** Time between two pictures from which motion does not look smooth, in milliseconds. */
+/** Time that a picture waits for the one before it, from which motion does not look smooth, in milliseconds. */
 const SLOW = 40;
 
-/** Time between two pictures from which only the coarsest can help, in milliseconds. */
+/** Waiting time from which only the coarsest picture can help, in milliseconds. */
 const VERY_SLOW = 160;
 
 /** Coarsest resolution: pixels that are drawn for each pixel of the page, along one axis. */
@@ -23,13 +19,10 @@ export function isSoftware(): boolean {
 
 export class Resolution {
   /** Time without a picture after which the motion has ended, in milliseconds. */
-  readonly rest: number;
-  private before = 0;
+  readonly rest = 350;
   private moving: number;
-  private isMoving = false;
 
   constructor(private readonly isSoftware: boolean) {
-    this.rest = isSoftware ? SAME_SOFTWARE_MOTION : SAME_MOTION;
     this.moving = isSoftware ? 1 : this.finest;
   }
 
@@ -38,18 +31,14 @@ export class Resolution {
     return this.isSoftware ? SOFTWARE_FINEST : Math.min(devicePixelRatio, 2);
   }
 
-  /** Whether even the coarsest picture was too slow for a motion, so that something has to be left out of the next. */
-  get isTooSlow(): boolean {
-    return this.isMoving && this.moving === COARSEST;
+  /** Returns the resolution of a picture in motion, which waited some milliseconds for the one before it. */
+  inMotion(waited: number): number {
+    if (waited > SLOW) this.moving = waited > VERY_SLOW ? COARSEST : Math.max(this.moving * 0.75, COARSEST);
+    return Math.min(this.moving, this.finest);
   }
 
-  /** Returns the resolution for a picture at a time. */
-  at(now: number): number {
-    const time = now - this.before;
-    this.before = now;
-    this.isMoving = time < this.rest;
-    if (!this.isMoving) return this.finest;
-    if (time > SLOW) this.moving = time > VERY_SLOW ? COARSEST : Math.max(this.moving * 0.75, COARSEST);
-    return Math.min(this.moving, this.finest);
+  /** Whether even the coarsest pictures are too slow, so that something has to be left out of them. */
+  get isTooSlow(): boolean {
+    return this.moving === COARSEST;
   }
 }

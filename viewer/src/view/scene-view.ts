@@ -128,11 +128,13 @@ export class SceneView {
     const pixel = new Uint8Array(4);
     const gl = this.renderer.getContext();
     const start = performance.now();
+    let [before, waited] = [start, 0];
     let pictures = 0;
-    while (performance.now() - start < milliseconds) {
+    for (; performance.now() - start < milliseconds; before = performance.now()) {
       this.orbit.stance.yaw += 0.02;
-      this.draw(performance.now());
+      this.draw(performance.now(), this.resolution.inMotion(waited));
       gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel); // waits for the picture
+      waited = performance.now() - before;
       pictures++;
     }
     return pictures;
@@ -299,37 +301,37 @@ export class SceneView {
   private redraw(): void {
     if (this.isDirty) return;
     this.isDirty = true;
+    const asked = performance.now();
     requestAnimationFrame((now) => {
       this.isDirty = false;
-      if (this.draw(now)) this.redraw();
+      clearTimeout(this.rest);
+      const ratio = this.resolution.inMotion(performance.now() - asked);
+      const isMoving = this.draw(now, ratio);
+      if (isMoving) this.redraw();
+      else if (ratio < this.resolution.finest) {
+        this.rest = setTimeout(() => this.draw(performance.now(), this.resolution.finest), this.resolution.rest);
+      }
     });
   }
 
   /** Draws now, and returns whether the camera still flies. */
-  private draw(now: number): boolean {
+  private draw(now: number, ratio: number): boolean {
     const { selected } = this.store.now;
     this.orbit.sceneReach = this.reachFromOrigin();
     const isFlying = this.orbit.update(now);
     const { camera } = this.orbit;
-    this.setResolution(now);
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
     this.lamp.position.copy(camera.position).add(new Vector3(0.3, 0.5, 0).applyQuaternion(camera.quaternion).multiplyScalar(this.orbit.stance.distance));
     this.lamp.target.position.copy(this.orbit.stance.target);
     const at = selected === undefined ? this.orbit.stance.target : new Vector3(...this.placement.toView(placeOf(selected) ?? [0, 0, 0]));
     const reach = selected === undefined ? 1e30 : 2 * this.reachOf(selected);
     this.context.setPivot(at.clone().applyMatrix4(camera.matrixWorldInverse), reach);
     const { surroundings } = this.store.now;
-    this.context.mesh.visible = selected === undefined || (surroundings !== "none" && !this.resolution.isTooSlow);
+    this.context.mesh.visible = selected === undefined || (surroundings !== "none" && !(this.resolution.isTooSlow && ratio < this.resolution.finest));
     this.renderer.render(this.scene, camera);
     this.measure.placeLabel(this.toScreen);
     this.scale.show(this.orbit.lengthOfPixel(), camera);
     return isFlying;
-  }
-
-  private setResolution(now: number): void {
-    const ratio = this.resolution.at(now);
-    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
-    clearTimeout(this.rest);
-    if (ratio < this.resolution.finest) this.rest = setTimeout(() => this.redraw(), this.resolution.rest + 50);
   }
 
   private reachFromOrigin(): number {
