@@ -44,8 +44,10 @@ export class ListPanel {
     const all = isGrouped ? this.groups.lines(kept, new Set()) : this.lines;
     const found = all.flatMap((line) => (line.kind === "item" ? [line.finding] : []));
     const at = selected === undefined ? -1 : found.indexOf(selected);
-    if (at < 0) return step > 0 ? found[0] : found.at(-1);
-    return found[at + step];
+    if (at >= 0) return found[at + step];
+    // The filters may have left out the selected finding, for example because its status changed.
+    const after = selected === undefined ? -1 : selected.index;
+    return step > 0 ? found.find(({ index }) => index > after) : found.findLast(({ index }) => after < 0 || index < after);
   }
 
   private rebuild(): void {

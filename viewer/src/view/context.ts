@@ -4,12 +4,17 @@ import type { Theme } from "./colors";
 import { GhostMaterial } from "./ghost-material";
 import type { Placement } from "./placement";
 
+/** Factors of the color of a part: as it is, and marked. The color of a ghost is dark, so that the factors are large. */
+const PLAIN = new Color(1, 1, 1);
+const MARKED = new Color(0.3, 4, 3.2);
+
 export class Context {
   readonly mesh: BatchedMesh;
   private readonly ghost = new GhostMaterial();
   private readonly solid = new MeshLambertMaterial({ side: DoubleSide, flatShading: true });
   /** Instance of each part, or -1 if the part is not drawn. */
   private readonly instances: Int32Array;
+  private marked: number | undefined;
 
   constructor(private readonly placement: Placement) {
     const { parts } = placement.geometry;
@@ -42,6 +47,16 @@ export class Context {
     this.instances.forEach((instance, place) => {
       if (instance >= 0) this.mesh.setVisibleAt(instance, isShown(place));
     });
+  }
+
+  /** Gives a part another color, and the part that had it before its own. */
+  mark(place: number | undefined): void {
+    const paint = (at: number | undefined, color: Color) => {
+      if (at !== undefined && this.instances[at] >= 0) this.mesh.setColorAt(this.instances[at], color);
+    };
+    paint(this.marked, PLAIN);
+    paint(place, MARKED);
+    this.marked = place;
   }
 
   setSolid(isSolid: boolean): void {

@@ -46,6 +46,8 @@ export class SceneView {
   private readonly resolution: Resolution;
   private rest = 0;
   private readonly lamp = new DirectionalLight(0xffffff, 1.6);
+  /** The box around all parts. */
+  private readonly whole: Box;
   private theme: Theme = LIGHT;
   private fitted = 0;
   private isDirty = false;
@@ -60,7 +62,9 @@ export class SceneView {
     this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !isSlow, stencil: true });
     this.renderer.localClippingEnabled = true;
     this.placement = new Placement(store.model.geometry);
-    this.placement.origin = middle(this.modelBox());
+    const corners = store.model.geometry.parts.flatMap((part) => part.box ?? []);
+    this.whole = corners.length === 0 ? [[-1, -1, -1], [1, 1, 1]] : around(corners);
+    this.placement.origin = middle(this.whole);
     this.picker = new Picker(this.placement);
     this.orbit = new Orbit(this.canvas, store.model.facts.up, () => this.redraw());
     this.context = new Context(this.placement);
@@ -78,6 +82,7 @@ export class SceneView {
     this.canvas.addEventListener("pointermove", (event) => this.hover(event));
     new ResizeObserver(() => this.resize()).observe(this.canvas);
     store.listen((state, changed) => this.follow(state, changed));
+    this.resize();
     this.restage();
     this.fit("model");
   }
@@ -154,10 +159,11 @@ export class SceneView {
 
   /** Draws everything as the state says. */
   private restage(): void {
-    const { selected, hidden, surroundings, kept } = this.store.now;
+    const { selected, hidden, surroundings, kept, picked } = this.store.now;
     const isSelected = new Set(selected?.places);
     this.focus.show(selected, hidden, this.theme);
     this.context.setSolid(surroundings === "solid");
+    this.context.mark(picked);
     this.context.show((place) => !isSelected.has(place) && !hidden.has(place));
     this.markers.points.visible = selected === undefined;
     if (selected === undefined) this.markers.show(kept);
@@ -179,7 +185,7 @@ export class SceneView {
 
   private fit(what: (typeof FITS)[number]): void {
     const { selected } = this.store.now;
-    const box = what === "model" || selected === undefined ? this.modelBox() : this.boxOf(selected, what === "parts");
+    const box = what === "model" || selected === undefined ? this.whole : this.boxOf(selected, what === "parts");
     const target = new Vector3(...this.placement.toView(middle(box)));
     const radius = Math.max(diagonal(box) / 2, 1e-9);
     const isClash = what === "clash" && selected !== undefined;
@@ -190,7 +196,7 @@ export class SceneView {
 
   /** Returns half of the length that the camera shows of a clash: its box, and enough of its parts to know them. */
   private reachOf(finding: Finding | undefined): number {
-    if (finding === undefined) return diagonal(this.modelBox()) / 2;
+    if (finding === undefined) return diagonal(this.whole) / 2;
     const all = finding.places.slice(0, 2).map((place) => diagonal(this.store.model.geometry.parts[place]?.box));
     const sizes = all.filter((size) => size > 0);
     const own = Math.max(0.75 * diagonal(finding.extent), 1e-9);
@@ -203,17 +209,12 @@ export class SceneView {
     const { parts } = this.store.model.geometry;
     const own = finding.places.flatMap((place) => parts[place]?.box ?? []);
     if (!isWhole && finding.extent !== undefined) return finding.extent;
-    return own.length === 0 ? this.modelBox() : around(own);
-  }
-
-  private modelBox(): Box {
-    const all = this.store.model.geometry.parts.flatMap((part) => part.box ?? []);
-    return all.length === 0 ? [[-1, -1, -1], [1, 1, 1]] : around(all);
+    return own.length === 0 ? this.whole : around(own);
   }
 
   /** Moves the origin of the view to a finding, if it is too far for single precision. */
   private moveOrigin(finding: Finding | undefined): void {
-    const place = finding === undefined ? middle(this.modelBox()) : placeOf(finding);
+    const place = finding === undefined ? middle(this.whole) : placeOf(finding);
     if (place === undefined) return;
     const by = new Vector3(...this.placement.toView(place)).negate();
     if (by.length() < MAX_OFFSET * this.reachOf(finding)) return;
@@ -335,6 +336,6 @@ export class SceneView {
   }
 
   private reachFromOrigin(): number {
-    return Math.max(...this.modelBox().map((corner) => new Vector3(...this.placement.toView(corner)).length()));
+    return Math.max(...this.whole.map((corner) => new Vector3(...this.placement.toView(corner)).length()));
   }
 }

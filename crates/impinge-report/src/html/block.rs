@@ -24,7 +24,7 @@ mod tests {
 
     #[test]
     fn a_block_is_read_back() {
-        let bytes: Vec<u8> = (0..100_000_u32).map(|at| (at * at >> 3) as u8).collect();
+        let bytes: Vec<u8> = (0..100_000_u32).map(|at| (at.wrapping_mul(at) >> 3) as u8).collect();
         let mut page = Vec::new();
         write_block(&mut page, "name", &bytes).unwrap();
         let page = String::from_utf8(page).unwrap();

@@ -59,8 +59,7 @@ impl Drawn {
             sides.iter().flat_map(|side| side.scene.parts().map(move |part| (side.scene, part))).collect();
         let boxes: Vec<Option<[[f64; 3]; 2]>> =
             parts.iter().map(|&(scene, part)| scene.shape(part).at(*scene.pose(part)).ok()?.bounds()).collect();
-        let mut looks: Vec<Look> =
-            boxes.iter().map(|&bounds| bounds.map_or(Look::Nothing, Look::Box)).collect();
+        let mut looks: Vec<Look> = boxes.iter().map(|&bounds| bounds.map_or(Look::Nothing, Look::Box)).collect();
         let mut meshes = Vec::new();
         let mut numbers: HashMap<*const [u32; 3], Option<usize>> = HashMap::new();
         let mut left = max_triangles;
@@ -144,4 +143,42 @@ fn by_importance(sides: &[Side<'_>], report: &Report, boxes: &[Option<[[f64; 3];
 fn surroundings([low, high]: [[f64; 3]; 2]) -> Result<MinMax, impinge::InputError> {
     let reach = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
     MinMax::new(low.map(|x| x - reach), high.map(|x| x + reach))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use impinge::Positions;
+    use impinge::clash::{Options, find};
+    use impinge::query::batch::Execution;
+
+    /// Returns tetrahedra with a row of places along x, of which the last two clash.
+    fn row(places: &[f64]) -> Scene {
+        let mut scene = Scene::new();
+        for (at, &x) in places.iter().enumerate() {
+            // Each has a mesh of its own.
+            let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0 + at as f64 * 1e-3]];
+            let mesh = Mesh::new(Positions::F64(corners), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).unwrap();
+            scene.add(at.to_string(), &mesh, Pose::from_translation([x, 0.0, 0.0]).unwrap()).unwrap();
+        }
+        scene
+    }
+
+    #[test]
+    fn parts_of_clashes_come_first_then_their_neighbors() {
+        // Part 1 is far from the clash, and part 0 is near it.
+        let scene = row(&[-1.25, 50.0, 0.0, 0.25]);
+        let sides = [Side { label: "row".to_owned(), scene: &scene }];
+        let report = find(&sides, Options::new(1e-3), Execution::default()).unwrap();
+        assert_eq!(report.clashes.len(), 1);
+        let full = |triangles: usize| -> Vec<bool> {
+            let drawn = Drawn::choose(&sides, &report, triangles);
+            drawn.looks.iter().map(|look| matches!(look, Look::Mesh(..))).collect()
+        };
+        assert_eq!(full(0), [false, false, false, false]);
+        assert_eq!(full(8), [false, false, true, true]);
+        assert_eq!(full(15), [true, false, true, true]);
+        assert_eq!(full(16), [true, true, true, true]);
+        assert_eq!(Drawn::choose(&sides, &report, 8).boxes(), 2);
+    }
 }

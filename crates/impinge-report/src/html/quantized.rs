@@ -124,8 +124,8 @@ mod tests {
 
     #[test]
     fn equal_positions_are_joined_and_flat_faces_are_left_out() {
-        // The unused vertex is not a number, vertices 0 and 4 are equal, and face 1 is smaller than a step.
-        let points = vec![[0.0; 3], [9.0, 0.0, 0.0], [0.0, 9.0, 9.0], [f64::NAN; 3], [0.0; 3], [1e-9, 0.0, 0.0]];
+        // Vertex 3 is unused, vertices 0 and 4 are equal, and face 1 is smaller than a step.
+        let points = vec![[0.0; 3], [9.0, 0.0, 0.0], [0.0, 9.0, 9.0], [99.0; 3], [0.0; 3], [1e-9, 0.0, 0.0]];
         let mesh = Mesh::new(Positions::F64(points), vec![[0, 1, 2], [0, 5, 1], [2, 1, 4]]).unwrap();
         let quantized = QuantizedMesh::new(&mesh).unwrap();
         assert_eq!(quantized.points, [[0; 3], [65535, 0, 0], [0, 65535, 65535]]);
