@@ -67,9 +67,12 @@ export interface Report {
   scenes: SceneRow[];
   asked: { tolerance: number; default_tolerance?: boolean; clearance?: number; sag?: number };
   counts: Record<string, number>;
+  decades: { from: number; to: number; pairs: number }[];
   duplicates: DuplicateRow[];
   groups: GroupRow[];
   clashes: ClashRow[];
+  /** Clashes of the previous report that no longer exist. */
+  gone?: { id: string; kind: string; names: string[]; removed?: string[] }[];
   complete?: boolean;
   stopped?: string;
 }

@@ -4,6 +4,7 @@ import type { Finding } from "../data/model";
 import { STATUSES, type Kind, type Part } from "../data/report";
 import { counted, get, make } from "../elements";
 import type { Store } from "../state";
+import { overview } from "./overview";
 
 const MEANINGS: Record<Kind, string> = {
   duplicate: "The parts are the same shape in the same place.",
@@ -33,7 +34,7 @@ export class DetailsPanel {
 
   private show(finding: Finding | undefined): void {
     if (finding === undefined) {
-      this.frame.replaceChildren(...this.overview());
+      this.frame.replaceChildren(...overview(this.store.model, this.lengths));
       return;
     }
     const { parts } = finding;
@@ -48,21 +49,6 @@ export class DetailsPanel {
       parts.length > MAX_PARTS ? make("p", {}, `and ${counted(parts.length - MAX_PARTS, "other part")}`) : "",
     );
     this.update();
-  }
-
-  private overview(): HTMLElement[] {
-    const { report, facts } = this.store.model;
-    const scene = report.scenes.map(({ label, parts, triangles }) =>
-      make("li", {}, make("b", {}, label), ` ${counted(parts, "part")}, ${counted(triangles, "triangle")}`),
-    );
-    const isCut = facts.boxes > 0;
-    return [
-      make("h2", {}, "Select a clash in the list, or a dot in the view."),
-      make("ul", { class: "scenes" }, ...scene),
-      make("p", { class: "meaning" }, `Common material deeper than ${this.lengths.text(report.asked.tolerance)} counts as a clash.`),
-      make("p", { class: "warning", hidden: report.complete !== false }, `The search is not complete: ${report.stopped ?? ""}.`),
-      make("p", { class: "warning", hidden: !isCut }, isCut ? boxSentence(facts.boxes, facts.max_triangles) : ""),
-    ];
   }
 
   private statuses(finding: Finding): HTMLElement {
@@ -138,12 +124,6 @@ export function toggleHidden(store: Store, place: number): void {
   const hidden = new Set(store.now.hidden);
   if (!hidden.delete(place)) hidden.add(place);
   store.set({ hidden });
-}
-
-/** Says how many parts are drawn as boxes, and why. */
-export function boxSentence(boxes: number, maxTriangles: number): string {
-  const parts = boxes === 1 ? "1 part is drawn as a box" : `${counted(boxes, "part")} are drawn as boxes`;
-  return `${parts}: the page holds at most ${counted(maxTriangles, "triangle")}, or the parts have no triangles.`;
 }
 
 function capital(sentence: string): string {

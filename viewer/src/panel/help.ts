@@ -3,7 +3,7 @@ import type { Command } from "../commands";
 import type { Lengths } from "../data/length";
 import type { Model } from "../data/model";
 import { counted, get, make } from "../elements";
-import { boxSentence } from "./details";
+import { boxSentence } from "./overview";
 
 /** Fills the sheet, and returns a function that opens or closes it. */
 export function helpSheet(): () => void {
