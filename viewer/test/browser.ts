@@ -39,9 +39,19 @@ export async function open(browser: Browser, path = PAGE, options: BrowserContex
   return { page, faults };
 }
 
-/** Returns the picture of the view. */
-export function picture(page: Page): Promise<Buffer> {
-  return page.locator("#canvas").screenshot();
+/** What the page shows to tests. */
+interface Viewed {
+  impinge: { view: { isAtRest: boolean } };
+}
+
+/** Leaves the canvas alone, so that its picture does not have the buttons over it. */
+const CANVAS_ALONE = "#view > :not(canvas) { visibility: hidden !important } #canvas { outline: none !important }";
+
+/** Waits until the view is at rest, and returns its picture. */
+export async function picture(page: Page): Promise<Buffer> {
+  await page.waitForTimeout(50);
+  await page.waitForFunction(() => (window as unknown as Viewed).impinge.view.isAtRest);
+  return page.locator("#canvas").screenshot({ style: CANVAS_ALONE });
 }
 
 /** Returns the identity of the selected clash. */

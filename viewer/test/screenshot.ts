@@ -6,7 +6,7 @@
  *
  * The second argument of the script is an identity of another clash.
  */
-import { launch, open } from "./browser.js";
+import { launch, open, picture } from "./browser.js";
 
 /** The picture, relative to the folder of the sources. */
 const PICTURE = "../docs/images/clash-page.png";
@@ -16,6 +16,6 @@ const { page } = await open(browser, undefined, { viewport: { width: 1280, heigh
 const [, , clash] = process.argv;
 if (clash === undefined) await page.keyboard.press("n");
 else await page.evaluate((id) => (location.hash = id), clash);
-await page.waitForTimeout(2000); // a slow machine draws the fine picture last
+await picture(page); // a slow machine draws the fine picture last
 await page.screenshot({ path: PICTURE });
 await browser.close();

@@ -44,7 +44,8 @@ export class SceneView {
   private readonly section = new Section();
   private readonly scale: Scale;
   private readonly resolution: Resolution;
-  private rest = 0;
+  /** Timer of the fine picture after a motion. */
+  private rest: number | undefined;
   private readonly lamp = new DirectionalLight(0xffffff, 1.6);
   /** The box around all parts. */
   private readonly whole: Box;
@@ -122,10 +123,9 @@ export class SceneView {
     return this.orbit.direction();
   }
 
-  /** Number of triangles and draw calls of the last picture, for tests. */
-  get drawn(): { triangles: number; calls: number } {
-    const { triangles, calls } = this.renderer.info.render;
-    return { triangles, calls };
+  /** Whether the last picture is the fine one, for tests. */
+  get isAtRest(): boolean {
+    return !this.isDirty && this.rest === undefined;
   }
 
   /** Draws as many pictures as fit into a time in milliseconds, and returns their number, for tests. */
@@ -306,11 +306,15 @@ export class SceneView {
     requestAnimationFrame((now) => {
       this.isDirty = false;
       clearTimeout(this.rest);
+      this.rest = undefined;
       const ratio = this.resolution.inMotion(performance.now() - asked);
       const isMoving = this.draw(now, ratio);
       if (isMoving) this.redraw();
       else if (ratio < this.resolution.finest) {
-        this.rest = setTimeout(() => this.draw(performance.now(), this.resolution.finest), this.resolution.rest);
+        this.rest = setTimeout(() => {
+          this.rest = undefined;
+          this.draw(performance.now(), this.resolution.finest);
+        }, this.resolution.rest);
       }
     });
   }
