@@ -318,10 +318,7 @@ class ClashReport:
         return _written(self._csv, path)
 
     def to_html(self, path: str | os.PathLike[str] | None = None) -> str:
-        """Return a page that shows the report in a browser; also write it.
-
-        The page has a list of the clashes, and the parts in three dimensions. It needs no other
-        file and no network.
+        """Return a page that shows the report in a browser, without a network; also write it.
 
         Parameters
         ----------
@@ -333,8 +330,7 @@ class ClashReport:
         OSError
             If the file cannot be written.
         """
-        page = self._page if isinstance(self._page, str) else self._page.html()
-        return _written(page, path)
+        return _written(self._page if isinstance(self._page, str) else self._page.html(), path)
 
     def _repr_html_(self) -> str:
         """Return the page for a notebook."""

@@ -436,6 +436,7 @@ def robot_check(
     ignored: list[tuple[int, int]],
     progress: bool,
 ) -> tuple[NDArray[np.int64], NDArray[np.uint32], NDArray[np.bool_]]: ...
+
 class ClashPage:
     def html(self) -> str: ...
 

@@ -89,8 +89,8 @@ enum Chore {
     },
     /// Build the documentation site into target/site, and fail on any warning.
     Docs,
-    /// Check the page of reports: its types, that `crates/impinge-report/assets/viewer.html` is what
-    /// `viewer/` builds, and what a browser does with it. Without Node or Chromium, say so and skip.
+    /// Check the page of reports: its types, whether `viewer/` builds the page in the crate, and
+    /// what a browser does with it. Without Node or Chromium, say so and skip.
     Viewer {
         /// Replace the page in the crate by the fresh one, and run no browser.
         #[arg(long)]

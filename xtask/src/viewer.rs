@@ -1,5 +1,5 @@
-//! `cargo xtask viewer`: builds the page of reports from `viewer/`, compares it with the page in the
-//! crate, and runs its tests in a headless Chromium.
+//! `cargo xtask viewer`: builds the page of reports from `viewer/`, compares it with the page in
+//! the crate, and runs its tests in a headless Chromium.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -73,7 +73,7 @@ struct Found {
     page: ClashPage,
 }
 
-/// What a page about a report needs.
+/// Report with its scenes, from which a page is written.
 #[pyclass(frozen, module = "impinge._impinge")]
 pub(crate) struct ClashPage {
     search: Arc<Search>,

@@ -15,7 +15,7 @@ use serde_json::Value;
 
 const FAR: f64 = 500_000.0;
 
-/// Faces of a cuboid whose corner `i` has bit `k` of `i` set if it is on the upper side of axis `k`.
+/// Faces of a cuboid. Bit `k` of a corner is set if it is on the upper side of axis `k`.
 const FACES: &str = "021 123 456 576 014 154 263 367 042 246 135 375";
 
 /// Returns the cuboid from the origin to a corner.

@@ -13,11 +13,11 @@ use super::quantized::QuantizedMesh;
 
 /// How a part is drawn.
 pub(super) enum Look {
-    /// Not at all: it is empty or unbounded.
+    /// Nothing: the part is empty or unbounded.
     Nothing,
-    /// As a box in the world frame, from its lower to its upper corner.
+    /// Box in the world frame: its lower and its upper corner.
     Box([[f64; 3]; 2]),
-    /// As the mesh with an index in [`Drawn::meshes`], at a pose.
+    /// Mesh with an index in [`Drawn::meshes`], at a pose.
     Mesh(usize, Pose),
 }
 
