@@ -1,12 +1,13 @@
 //! One page of HTML that shows a report of clashes, for people who have nothing installed.
 //!
 //! The page is a template (`assets/viewer.html`, which `viewer/` builds) with three blocks of data:
-//! the report as JSON, [facts](facts) for people, and the geometry. Each block is deflated and in
-//! base64. The page makes no request, so that it can be opened from a disk or sent by mail.
+//! the report as JSON, facts for people, and the geometry. Each block is deflated and in base64.
+//! The page makes no request, so that it can be opened from a disk or sent by mail.
 //!
-//! `parts` chooses the parts that are drawn in full. `quantized` and `integers` write meshes in few
-//! bytes, `curves` the intersection curves, `geometry` the block of both, and `block` any block.
-//! The reader is `viewer/src/data`. Guarded by `tests/html.rs` and `viewer/test`.
+//! `facts` has sentences and names. `parts` chooses the parts that are drawn in full. `quantized`
+//! and `integers` write meshes in few bytes, `curves` the intersection curves, `geometry` the block
+//! of both, and `block` any block. The reader is `viewer/src/data`. Guarded by `tests/html.rs` and
+//! `viewer/test`.
 
 mod block;
 mod curves;
