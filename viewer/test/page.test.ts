@@ -183,6 +183,12 @@ test("the help sheet lists every key", async () => {
   assert.ok(!(await page.locator("#help").isVisible()));
 });
 
+test("the view turns", async (context) => {
+  const pictures = await page.evaluate<number>("window.impinge.view.benchmark(2000)");
+  assert.ok(pictures > 0);
+  context.diagnostic(`${pictures / 2} pictures a second without a graphics card`);
+});
+
 test("the page made no request, and printed nothing", () => {
   assert.deepEqual(opened.faults, []);
 });
