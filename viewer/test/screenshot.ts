@@ -1,10 +1,10 @@
 /**
- * Makes the picture of the page for the documentation:
+ * Makes the picture of the page for the documentation, from the root of the repository:
  *
- *     cargo xtask viewer
- *     cd viewer && IMPINGE_PAGE=$PWD/../target/viewer/gearbox.html CHROMIUM=chromium npm run screenshot
+ *     impinge clash data/cad_cycloidal_gearbox.glb --view /tmp/gearbox.html
+ *     cd viewer && IMPINGE_PAGE=/tmp/gearbox.html CHROMIUM=/usr/bin/chromium npm run screenshot
  *
- * The second argument of the script is an identity of another clash.
+ * An argument of the script is the identity of another clash.
  */
 import { launch, open, picture } from "./browser.js";
 

@@ -17,6 +17,8 @@ const BUILT: &str = "out/page/index.html";
 const ASSET: &str = "crates/impinge-report/assets/viewer.html";
 /// Model of the page that the browser opens.
 const MODEL: &str = "data/cad_cycloidal_gearbox.glb";
+/// Rules of the search in the model.
+const RULES: &str = "viewer/test/pins.toml";
 /// Page that the browser opens.
 const PAGE: &str = "target/viewer/gearbox.html";
 /// Least major version of Node that builds and tests the page.
@@ -68,7 +70,10 @@ fn browse(root: &Path, sources: &Path) -> Result<bool> {
     let page = root.join(PAGE);
     fs::create_dir_all(page.parent().context("the page has a folder")?)?;
     let mut clash = cargo();
-    clash.args(["run", "--quiet", "-p", "impinge-cli", "--", "clash", MODEL, "--view"]).arg(&page).current_dir(root);
+    clash
+        .args(["run", "--quiet", "-p", "impinge-cli", "--", "clash", MODEL, "--rules", RULES, "--view"])
+        .arg(&page)
+        .current_dir(root);
     let output = clash.output().context("starting impinge clash")?;
     let has_clashes = output.status.code() == Some(1);
     ensure!(has_clashes, "impinge clash {MODEL}: {}", String::from_utf8_lossy(&output.stderr));
