@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import math
 import os
@@ -15,6 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from impinge import _impinge
 from impinge._errors import InputError
 from impinge._scalars import chosen, path_of
 
@@ -167,6 +169,11 @@ class ClashReport:
         self._csv: str = answer["csv"]
         self._sentences: list[str] = answer["sentences"]
         self._groups: dict[str, Any] = dict(answer["groups"])
+        self._page: _impinge.ClashPage | str = answer["page"]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the state with the page instead of the scenes."""
+        return {**self.__dict__, "_page": self.to_html()}
 
     @cached_property
     def _all(self) -> dict[str, Any]:
@@ -309,6 +316,26 @@ class ClashReport:
             If the file cannot be written.
         """
         return _written(self._csv, path)
+
+    def to_html(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Return a page that shows the report in a browser, without a network; also write it.
+
+        Parameters
+        ----------
+        path : str or os.PathLike, optional
+            The file to write.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        return _written(self._page if isinstance(self._page, str) else self._page.html(), path)
+
+    def _repr_html_(self) -> str:
+        """Return the page for a notebook."""
+        page = html.escape(self.to_html())
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 640px; border: 0" title="{self!r}"></iframe>'
 
     def frame(self) -> dict[str, NDArray[Any]]:
         """Return the clashes as columns of a table, for example for ``pandas.DataFrame``."""

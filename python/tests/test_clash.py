@@ -1,8 +1,10 @@
 """Clash detection over scenes: the report, its arrays and files, and errors."""
 
 import csv
+import html
 import io
 import json
+import pickle
 import subprocess
 import sys
 
@@ -294,3 +296,15 @@ def test_errors_of_files_name_the_place(tmp_path):
 def test_a_limit_ends_the_search():
     with impinge.limit(seconds=0.05), pytest.raises(TimeoutError):
         impinge.clash(crowd(300))
+
+
+def test_a_page_has_the_report_and_survives_a_copy(tmp_path):
+    report = impinge.clash(impinge.Scene({"a": CUBE, "b": CUBE}, poses={"b": pose([0.5, 0, 0])}))
+    page = report.to_html(tmp_path / "page.html")
+    assert page.startswith("<!doctype html>")
+    assert page.count('<script type="application/octet-stream"') == 3
+    assert (tmp_path / "page.html").read_text(encoding="utf-8") == page
+    assert pickle.loads(pickle.dumps(report)).to_html() == page
+    shown = report._repr_html_()
+    assert shown.startswith('<iframe srcdoc="')
+    assert html.unescape(shown.split('"')[1]) == page

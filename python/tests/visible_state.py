@@ -10,6 +10,7 @@ VIEWS = [
     (impinge.World, lambda world: (world.bodies, world.pairs(), world.poses(world.bodies), world.tags(world.bodies))),
     (impinge.WorldState, lambda kept: kept.data()[4:6]),
     (impinge.Motion, lambda motion: (motion.at(0.0), motion.at(0.3), motion.at(1.0))),
+    (impinge.ClashReport, lambda report: (*report, report.counts, report.groups(), report.to_csv(), report.to_html())),
     (impinge.CharacterPose, lambda posed: (posed.frames, posed.vertices)),
     (impinge.Robot, lambda robot: (robot.name, robot.links, robot.joints, robot.pairs, robot.at(np.zeros(robot.dof)))),
     (impinge.Character, lambda character: (character.parts, character.animations, character.faces)),

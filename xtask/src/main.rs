@@ -1,6 +1,6 @@
 //! The chores of the workspace, each a command of `cargo xtask`: checks (`layers`, `file-length`,
 //! `prose`), tests (`quick`, `test`), benchmarks and their page (`bench`, `performance`), the
-//! documentation site (`docs`), fuzzing (`fuzz`), and `demo`.
+//! documentation site (`docs`), fuzzing (`fuzz`), the page of reports (`viewer`), and `demo`.
 #![allow(clippy::print_stdout, reason = "a chore reports to the terminal")]
 
 mod bench;
@@ -20,6 +20,7 @@ mod slowest;
 mod sources;
 mod test_run;
 mod unsafe_code;
+mod viewer;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -88,6 +89,13 @@ enum Chore {
     },
     /// Build the documentation site into target/site, and fail on any warning.
     Docs,
+    /// Check the page of reports: its types, whether `viewer/` builds the page in the crate, and
+    /// what a browser does with it. Without Node or Chromium, say so and skip.
+    Viewer {
+        /// Replace the page in the crate by the fresh one, and run no browser.
+        #[arg(long)]
+        write: bool,
+    },
     /// Check a human of 26,756 triangles against a torus knot of 2,000,000.
     Demo,
 }
@@ -125,6 +133,7 @@ fn main() -> Result<ExitCode> {
             fuzz::run(root, &targets, seconds.or(hours.map(|hours| 3600 * hours)))?
         }
         Chore::Docs => docs::build(root)?,
+        Chore::Viewer { write } => viewer::run(root, write)?,
         Chore::Demo => demo::run(root)?,
     };
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -23,12 +23,13 @@ impl fmt::Display for Violation {
     }
 }
 
-/// Returns the files below `root` with one of the `extensions`, sorted. Build output and hidden
-/// folders are skipped.
+/// Returns the files below `root` with one of the `extensions`, sorted. Build output,
+/// packages and hidden folders are skipped.
 pub(crate) fn files(root: &Path, extensions: &[&str]) -> Result<Vec<PathBuf>> {
     let walk = WalkDir::new(root).sort_by_file_name().into_iter().filter_entry(|entry| {
         let name = entry.file_name().to_string_lossy();
-        entry.depth() == 0 || !(name.starts_with('.') || (entry.file_type().is_dir() && name == "target"))
+        let is_output = entry.file_type().is_dir() && ["target", "node_modules"].contains(&&*name);
+        entry.depth() == 0 || !(name.starts_with('.') || is_output)
     });
     let mut found = Vec::new();
     for entry in walk {

@@ -12,6 +12,7 @@ use impinge_files::{
     Asked, Length, Limits, LoadError, ReportAbout, RulesFile, RulesFormat, SceneAbout, Unit, length_text,
     load_previous, load_rules, parse_previous, parse_rules, write_clash_csv, write_clash_json,
 };
+use impinge_report::html::write_clash_page;
 use pyo3::prelude::*;
 
 use crate::errors::{Fault, content_error, error_at, load_error};
@@ -20,6 +21,9 @@ use crate::poses;
 use crate::question::Progress;
 use crate::shapes::read_shape;
 use crate::workers::{self, Call};
+
+/// Version of the package, which reports state.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// A part as Python passes it: its name, its mesh or shape, its pose, and its key, type and path.
 type Part<'py> = (String, Bound<'py, PyAny>, Bound<'py, PyAny>, (String, String, Vec<String>));
@@ -66,6 +70,29 @@ struct Found {
     sentences: Vec<String>,
     /// Groups by part, by type and by scene.
     groups: Vec<(&'static str, Vec<GroupRow>)>,
+    page: ClashPage,
+}
+
+/// Report with its scenes, from which a page is written.
+#[pyclass(frozen, module = "impinge._impinge")]
+pub(crate) struct ClashPage {
+    search: Arc<Search>,
+    report: Arc<Report>,
+}
+
+#[pymethods]
+impl ClashPage {
+    /// Returns the page that shows the report in a browser.
+    fn html(&self, py: Python<'_>) -> PyResult<String> {
+        let (search, report) = (Arc::clone(&self.search), Arc::clone(&self.report));
+        workers::run(py, move |_| {
+            let sides = search.sides();
+            let mut page = Vec::new();
+            // Writing to a list of bytes cannot fail, and the page is UTF-8.
+            let _ = write_clash_page(&mut page, &sides, &report, &search.about(&sides), VERSION);
+            String::from_utf8_lossy(&page).into_owned()
+        })
+    }
 }
 
 /// A group: the names that its clashes share, the indices of the clashes, and a sentence.
@@ -112,7 +139,7 @@ pub(crate) fn clash<'py>(
     let search = Arc::new(Search { scenes, unit, tolerance, asked, rules, previous });
     let rows = if progress { count(py, &search)? } else { 0 };
     let asking = Arc::clone(&search);
-    let work = move |execution: Execution<'_>| match asking.found(execution) {
+    let work = move |execution: Execution<'_>| match found(&asking, execution) {
         Err(ClashError::Stopped(stopped)) => Err(stopped),
         found => Ok(found),
     };
@@ -201,34 +228,18 @@ impl Search {
         Ok(Job::new(&sides, self.options(&sides), budget)?.candidates())
     }
 
-    fn found(&self, execution: Execution<'_>) -> Result<Found, ClashError> {
-        let sides = self.sides();
-        let options = self.options(&sides);
-        let report = find(&sides, options, execution)?;
-        let about = ReportAbout {
+    fn about(&self, sides: &[Side<'_>]) -> ReportAbout<'_> {
+        let options = self.options(sides);
+        let scene = |(label, scene): &(String, Scene)| SceneAbout {
+            unit: self.unit.map(Unit::symbol),
+            ..SceneAbout::new(label, scene)
+        };
+        ReportAbout {
             unit: self.unit,
-            scenes: self.scenes.iter().map(|(label, scene)| self.about(label, scene)).collect(),
+            scenes: self.scenes.iter().map(scene).collect(),
             asked: Asked { tolerance: options.tolerance, ..self.asked.clone() },
             rules: options.rules,
-        };
-        let (mut json, mut csv) = (Vec::new(), Vec::new());
-        // Writing to a list of bytes cannot fail, and both reports are UTF-8.
-        let _ = write_clash_json(&mut json, &report, &about, env!("CARGO_PKG_VERSION"));
-        let _ = write_clash_csv(&mut csv, &report, &about);
-        let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-        let length = |x: f64| length_text(x, self.unit);
-        let groups = [("part", Grouping::Part), ("type", Grouping::Type), ("scene", Grouping::Scene)];
-        Ok(Found {
-            json: text(json),
-            csv: text(csv),
-            counts: counts(&report.counts),
-            sentences: report.clashes.iter().map(|clash| clash.sentence(&length)).collect(),
-            groups: groups.map(|(name, grouping)| (name, group_rows(&report, grouping, &length))).into(),
-        })
-    }
-
-    fn about(&self, label: &str, scene: &Scene) -> SceneAbout {
-        SceneAbout { unit: self.unit.map(Unit::symbol), ..SceneAbout::new(label, scene) }
+        }
     }
 
     fn raised(&self, py: Python<'_>, error: ClashError) -> PyErr {
@@ -249,6 +260,27 @@ impl Search {
             _ => fault("input", "scenes"),
         }
     }
+}
+
+fn found(search: &Arc<Search>, execution: Execution<'_>) -> Result<Found, ClashError> {
+    let sides = search.sides();
+    let report = find(&sides, search.options(&sides), execution)?;
+    let about = search.about(&sides);
+    let (mut json, mut csv) = (Vec::new(), Vec::new());
+    // Writing to a list of bytes cannot fail, and both reports are UTF-8.
+    let _ = write_clash_json(&mut json, &report, &about, VERSION);
+    let _ = write_clash_csv(&mut csv, &report, &about);
+    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+    let length = |x: f64| length_text(x, search.unit);
+    let groups = [("part", Grouping::Part), ("type", Grouping::Type), ("scene", Grouping::Scene)];
+    Ok(Found {
+        json: text(json),
+        csv: text(csv),
+        counts: counts(&report.counts),
+        sentences: report.clashes.iter().map(|clash| clash.sentence(&length)).collect(),
+        groups: groups.map(|(name, grouping)| (name, group_rows(&report, grouping, &length))).into(),
+        page: ClashPage { search: Arc::clone(search), report: Arc::new(report) },
+    })
 }
 
 fn counts(counts: &Counts) -> Vec<(&'static str, usize)> {

@@ -64,7 +64,7 @@ mod _impinge {
     #[pymodule_export]
     use super::character_pose::PosedCore;
     #[pymodule_export]
-    use super::clash::clash;
+    use super::clash::{ClashPage, clash};
     #[pymodule_export]
     use super::command::run_command;
     #[pymodule_export]

@@ -12,6 +12,7 @@ use impinge_files::{
     Asked, Length, Limits, ReportAbout, RulesFile, RulesFormat, SceneAbout, Unit, load_previous, load_rules,
     write_clash_csv, write_clash_json,
 };
+use impinge_report::html::write_clash_page;
 
 use crate::check::timed;
 use crate::failure::Failure;
@@ -22,6 +23,9 @@ use scenes::Loaded;
 /// Maximum value of `--threads`: more than any machine has processors. The answer does not depend
 /// on the number of threads.
 const MAX_THREADS: i64 = 1024;
+
+/// Version of the program, which reports state.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Find the parts of scenes that clash, and how deep
 ///
@@ -88,6 +92,11 @@ pub(crate) struct Arguments {
     /// Write one row a clash to a .csv file
     #[arg(long, value_name = "OUT")]
     csv: Option<PathBuf>,
+    /// Write a page for a browser to an .html file: the list of clashes and the parts in 3D
+    ///
+    /// The page needs no other file and no network.
+    #[arg(long, value_name = "OUT")]
+    view: Option<PathBuf>,
     /// Number of threads to use; all processors by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
     threads: Option<u16>,
@@ -163,6 +172,10 @@ fn answer(arguments: &Arguments) -> Result<Verdict, Failure> {
     let stated = rules.as_ref().filter(|_| rules_file.is_some());
     let about = ReportAbout { unit, scenes, asked, rules: stated };
     let outcome = Outcome { about, report, seconds: Seconds { load, search } };
+    if let Some(path) = &arguments.view {
+        let Outcome { about, report, .. } = &outcome;
+        output::write(path, |out| write_clash_page(out, &sides, report, about, VERSION))?;
+    }
     outcome.write(arguments)?;
     Ok(if outcome.report.is_clear() { Verdict::Clear } else { Verdict::Collision })
 }
@@ -237,6 +250,9 @@ impl Arguments {
         if let Some(path) = self.json_file().filter(|path| output::extension(path) != "json") {
             return Err(output::unknown_extension(path, ".json"));
         }
+        if let Some(path) = self.view.as_deref().filter(|path| output::extension(path) != "html") {
+            return Err(output::unknown_extension(path, ".html"));
+        }
         if let Some(path) = self.accept.as_deref().filter(|path| output::extension(path) != "toml") {
             return Err(Failure::new("rules", "accepted clashes are in a .toml file").in_file(path));
         }
@@ -248,7 +264,7 @@ impl Arguments {
         // A previous report may be replaced by the new one.
         let scenes: Vec<PathBuf> = self.scenes.iter().map(|argument| scenes::split(argument).1).collect();
         let inputs: Vec<&Path> = scenes.iter().chain(&self.rules).chain(&self.accept).map(PathBuf::as_path).collect();
-        [self.json_file(), self.csv.as_deref()]
+        [self.json_file(), self.csv.as_deref(), self.view.as_deref()]
             .into_iter()
             .flatten()
             .try_for_each(|path| output::validate(path, &inputs))
@@ -302,9 +318,8 @@ impl Outcome<'_> {
     /// Prints the report or the JSON object, and writes the requested files.
     fn write(&self, arguments: &Arguments) -> Result<(), Failure> {
         let Self { about, report, .. } = self;
-        let version = env!("CARGO_PKG_VERSION");
         if let Some(path) = arguments.json_file() {
-            output::write(path, |out| write_clash_json(out, report, about, version))?;
+            output::write(path, |out| write_clash_json(out, report, about, VERSION))?;
         }
         if let Some(path) = &arguments.csv {
             output::write(path, |out| write_clash_csv(out, report, about))?;
@@ -312,7 +327,7 @@ impl Outcome<'_> {
         if arguments.prints_json() {
             let mut object = Vec::new();
             // Writing to a list of bytes cannot fail, and JSON is UTF-8.
-            let _ = write_clash_json(&mut object, report, about, version);
+            let _ = write_clash_json(&mut object, report, about, VERSION);
             return console::print_answer(&String::from_utf8_lossy(&object));
         }
         console::print_answer(&report::text(self))

@@ -102,6 +102,24 @@ fn files_are_written_beside_the_report() {
 }
 
 #[test]
+fn a_page_has_the_report_and_the_same_bytes_for_any_threads() {
+    let folder = folder();
+    let run = folder.run("clash house.obj --unit m --view house.html --threads 1");
+    assert_eq!((run.code, run.stderr.as_str()), (1, ""), "{run:?}");
+    let page = folder.read("house.html");
+    assert!(page.starts_with("<!doctype html>") && page.ends_with("</html>\n"), "{} bytes", page.len());
+    for block in ["report", "facts", "geometry"] {
+        assert_eq!(page.matches(&format!("<script type=\"application/octet-stream\" id=\"{block}\">")).count(), 1);
+    }
+    folder.run("clash house.obj --unit m --view again.html --threads 2");
+    assert_eq!(folder.read("again.html"), page);
+
+    let wrong = folder.run("clash house.obj --view house.htm");
+    assert_eq!(wrong.code, 2);
+    assert!(wrong.stderr.contains("use a name that ends in .html"), "{}", wrong.stderr);
+}
+
+#[test]
 fn two_scenes_are_compared_between_each_other() {
     let folder = folder();
     folder.write("pipes.obj", &model(&[PIPE, ("pipe 2", PIPE.1, PIPE.2)]));

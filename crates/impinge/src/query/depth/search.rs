@@ -15,7 +15,7 @@
 use std::collections::BinaryHeap;
 
 use super::cell::{Cell, Plane};
-use super::divide::{Divider, area, middle};
+use super::divide::{BESIDE, Divider, area, middle};
 use super::face::{Face, gap};
 use super::piece::{Local, Piece};
 use super::side::Side;
@@ -62,6 +62,10 @@ const MAX_CELLS: usize = 1 << 14;
 
 /// Maximum number of planes of facets by which the first cell is cut.
 const MAX_LIMITS: usize = 24;
+
+/// Distance from a facet, in its plane and in units of the slack, of a foot that is beside a corner
+/// of at least 8 degrees and counts as in the facet.
+const BESIDE_CORNER: f64 = 128.0;
 
 /// Share of the way to the center by which a corner of a cell is moved into it.
 const INWARD: f64 = 1.0 / 4096.0;
@@ -306,8 +310,8 @@ impl<'s, 'm> Search<'s, 'm> {
             best = facets().map(|facet| facet.longest_way_out(cell)).fold(best, f64::min);
         }
         for facet in facets() {
-            let height = facet.height(cell);
-            if height < best && own.is_over(facet, cell, self.slack) {
+            let height = facet.height(cell) + BESIDE_CORNER * self.slack;
+            if height < best && own.is_over(facet, cell, BESIDE * self.slack) {
                 best = height;
             }
         }

@@ -1,0 +1,80 @@
+//! The facts of a page that the report does not state: sentences, names of all parts, limits.
+
+use std::io;
+
+use impinge::clash::{Report, Side};
+use impinge_files::{ReportAbout, Unit, length_text};
+use serde::Serialize;
+
+use super::curves::Curves;
+use super::parts::Drawn;
+use super::{MAX_CURVES, MAX_TRIANGLES};
+
+#[derive(Serialize)]
+struct Facts<'f> {
+    /// Axis that points up, `y` or `z`.
+    up: &'static str,
+    /// Length of the unit in meters, if it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    meters: Option<f64>,
+    /// A sentence about each clash, and then about each set of duplicates.
+    sentences: Vec<String>,
+    scenes: Vec<SceneFacts<'f>>,
+    /// Number of parts that are drawn as boxes.
+    boxes: usize,
+    /// Number of the worst clashes whose curves are drawn.
+    curves: usize,
+    max_triangles: usize,
+    max_curves: usize,
+    /// Largest distance between a corner and its drawn position, in world units.
+    rounding: f64,
+}
+
+#[derive(Serialize)]
+struct SceneFacts<'f> {
+    label: &'f str,
+    /// Name and type of each part.
+    parts: Vec<[&'f str; 2]>,
+}
+
+/// Returns the facts as JSON.
+///
+/// # Errors
+/// Returns an error if there is not enough memory.
+pub(super) fn json(
+    sides: &[Side<'_>],
+    report: &Report,
+    about: &ReportAbout<'_>,
+    drawn: &Drawn,
+    curves: &Curves,
+) -> io::Result<Vec<u8>> {
+    let length = |x: f64| length_text(x, about.unit);
+    let of_clashes = report.clashes.iter().map(|clash| clash.sentence(&length));
+    let of_sets = report.duplicates.iter().map(|set| set.sentence());
+    let facts = Facts {
+        up: if is_gltf(about) { "y" } else { "z" },
+        meters: about.unit.map(Unit::meters),
+        sentences: of_clashes.chain(of_sets).collect(),
+        scenes: sides.iter().map(SceneFacts::new).collect(),
+        boxes: drawn.boxes(),
+        curves: curves.clashes,
+        max_triangles: MAX_TRIANGLES,
+        max_curves: MAX_CURVES,
+        rounding: drawn.error(),
+    };
+    serde_json::to_vec(&facts).map_err(io::Error::other)
+}
+
+impl<'f> SceneFacts<'f> {
+    fn new(Side { label, scene }: &'f Side<'_>) -> Self {
+        let parts = scene.parts().map(|part| [scene.name(part), scene.details(part).kind.as_str()]);
+        Self { label, parts: parts.collect() }
+    }
+}
+
+/// Reports whether the first scene came from a glTF file, in which y points up.
+fn is_gltf(about: &ReportAbout<'_>) -> bool {
+    let file = about.scenes.first().and_then(|scene| scene.file.as_deref()).unwrap_or_default().to_lowercase();
+    let file = file.strip_suffix(".gz").unwrap_or(&file);
+    file.ends_with(".glb") || file.ends_with(".gltf")
+}

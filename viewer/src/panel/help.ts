@@ -1,0 +1,31 @@
+/** The help sheet: the keys, and what the page is made of. */
+import type { Command } from "../commands";
+import type { Lengths } from "../data/length";
+import type { Model } from "../data/model";
+import { counted, get, make } from "../elements";
+import { boxSentence } from "./overview";
+
+/** Fills the sheet, and returns a function that opens or closes it. */
+export function helpSheet(): () => void {
+  const sheet = get<HTMLDialogElement>("help");
+  get("help-close").addEventListener("click", () => sheet.close());
+  return () => (sheet.open ? sheet.close() : sheet.showModal());
+}
+
+export function fillHelp(commands: readonly Command[], model: Model, lengths: Lengths): void {
+  const rows = commands.map(({ key, does }) => make("tr", {}, make("td", {}, make("kbd", {}, key)), make("td", {}, does)));
+  get("help-keys").replaceChildren(...rows);
+  get("help-about").replaceChildren(...aboutLines(model, lengths).map((line) => make("li", {}, line)));
+}
+
+function aboutLines({ report, facts, findings }: Model, lengths: Lengths): string[] {
+  const clashes = findings.length - report.duplicates.length;
+  const lines = [
+    `Written by impinge ${report.version} from ${report.scenes.map(({ file, label }) => file ?? label).join(", ")}.`,
+    `Depths, gaps and kinds are those of the report. Corners are drawn within ${lengths.text(facts.rounding)} of their place.`,
+  ];
+  if (facts.boxes > 0) lines.push(boxSentence(facts.boxes, facts.max_triangles));
+  if (facts.curves < clashes) lines.push(`Intersection curves are drawn for the worst ${counted(facts.curves, "clash", "clashes")}.`);
+  lines.push("The page makes no request, and statuses stay in it until you save them.");
+  return lines;
+}
