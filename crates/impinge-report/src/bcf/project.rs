@@ -10,7 +10,7 @@ use super::markup::AUTHOR;
 use super::status::topic_status;
 use super::topic::{Topic, guid};
 use super::version::BcfVersion;
-use super::xml::{Document, document, element, text};
+use super::xml::{Document, document, element, empty_document, text};
 
 /// Returns the files with their names.
 pub(super) fn files(
@@ -18,10 +18,11 @@ pub(super) fn files(
     scenes: &[SceneAbout],
     version: BcfVersion,
 ) -> io::Result<Vec<(&'static str, Vec<u8>)>> {
-    let id = document("Version", &[("VersionId", version.name())], |element| match version {
-        BcfVersion::V2 => text(element, "DetailedVersion", version.name()),
-        BcfVersion::V3 => Ok(()),
-    })?;
+    let stated = [("VersionId", version.name())];
+    let id = match version {
+        BcfVersion::V2 => document("Version", &stated, |element| text(element, "DetailedVersion", version.name())),
+        BcfVersion::V3 => empty_document("Version", &stated),
+    }?;
     let mut files = vec![("bcf.version", id), ("project.bcfp", project(scenes, version)?)];
     if version == BcfVersion::V3 {
         files.push(("extensions.xml", extensions(topics)?));

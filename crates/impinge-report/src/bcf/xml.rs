@@ -14,9 +14,18 @@ pub(super) fn document(
     attributes: &[(&str, &str)],
     content: impl FnOnce(&mut Document) -> io::Result<()>,
 ) -> io::Result<Vec<u8>> {
+    rooted(|document| element(document, name, attributes, content))
+}
+
+/// Returns a document with an empty root element.
+pub(super) fn empty_document(name: &str, attributes: &[(&str, &str)]) -> io::Result<Vec<u8>> {
+    rooted(|document| empty(document, name, attributes))
+}
+
+fn rooted(root: impl FnOnce(&mut Document) -> io::Result<()>) -> io::Result<Vec<u8>> {
     let mut document = Writer::new_with_indent(Vec::new(), b' ', 2);
     document.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
-    element(&mut document, name, attributes, content)?;
+    root(&mut document)?;
     Ok(document.into_inner())
 }
 

@@ -13,7 +13,7 @@ pub(super) struct Subject {
     pub(super) parts: [usize; 2],
     /// Index of the part in `parts` that lies around the other, if one does.
     pub(super) outer: Option<usize>,
-    /// Box of the curves; or where the boxes of the parts overlap, or between them.
+    /// Box of the curves and the point; or where the boxes of the parts overlap, or between them.
     pub(super) contact: Bounds,
     /// Point that shows where the parts meet.
     pub(super) point: Option<Vector>,
@@ -29,20 +29,20 @@ impl Subject {
             Kind::Contained(Inner::B) => Some(0),
             _ => None,
         };
-        let subject = Self::new(parts, [&clash.a, &clash.b], clash.bounds)?;
-        Some(Self { outer, point: clash.point, ..subject })
+        let subject = Self::new(parts, [&clash.a, &clash.b], clash.point, clash.bounds)?;
+        Some(Self { outer, ..subject })
     }
 
     /// Returns the subject of a set of duplicates, of which it has the first two, or `None` if they
     /// are unbounded.
     pub(super) fn of_duplicates(parts: &Parts<'_>, set: &DuplicateSet) -> Option<Self> {
-        let subject = Self::new(parts, [&set.parts[0], &set.parts[1]], None)?;
+        let subject = Self::new(parts, [&set.parts[0], &set.parts[1]], None, None)?;
         // The surfaces of duplicates intersect everywhere.
         let contact = parts.get(subject.parts[0]).bounds;
         Some(Self { contact, curves: Vec::new(), ..subject })
     }
 
-    fn new(parts: &Parts<'_>, members: [&Member; 2], stated: Option<Bounds>) -> Option<Self> {
+    fn new(parts: &Parts<'_>, members: [&Member; 2], point: Option<Vector>, stated: Option<Bounds>) -> Option<Self> {
         let found = [parts.find(members[0])?, parts.find(members[1])?];
         let [a, b] = found.map(|part| parts.get(part));
         let curves = match (a.mesh, b.mesh) {
@@ -60,8 +60,9 @@ impl Subject {
             });
             [sorted.map(|[low, _]| low), sorted.map(|[_, high]| high)]
         };
-        let contact = around(curves.iter().flatten().copied()).or(stated).unwrap_or_else(between);
-        Some(Self { parts: found, outer: None, contact, point: None, curves })
+        let of_curves = || around(curves.iter().flatten().copied().chain(point));
+        let contact = if curves.is_empty() { stated } else { of_curves() }.unwrap_or_else(between);
+        Some(Self { parts: found, outer: None, contact, point, curves })
     }
 
     /// Returns the index in `parts` of the part with the larger box.
