@@ -62,7 +62,8 @@ def examples():
     crossing = impinge.Scene({"a": box, "b": box, "c": box}, poses={"c": pose([0.5, 0, 0])})
     clashes = impinge.clash(crossing)
     made = [
-        impinge.show(mesh, box, size=(16, 16)), clashes, clashes[0], clashes[0].a, clashes.duplicates[0], clashes.groups()[0], clashes.diff(clashes),
+        impinge.show(mesh, box, size=(16, 16)),
+        clashes, clashes[0], clashes[0].a, clashes.duplicates[0], clashes.groups()[0], clashes.diff(clashes),
         gantry, gantry.check(np.zeros((2, 5))), impinge.Joint("a", "b", "c"),
         mesh, world, balls, step, step.work, world.save(), world.ray_cast(ray, [0, 0, 1]), robot, posed,
         world.nearest(box), world.shape_cast(box, impinge.Motion(None, None)),

@@ -78,7 +78,14 @@ def test_focus_on_contact_zooms_in():
 
 def test_errors_name_the_invalid_option():
     ring = impinge.Mesh(*torus())
-    for wrong in ({"size": (10, 10)}, {"size": (1e3, 100)}, {"up": "x"}, {"focus": "b"}, {"path": "a.jpg"}, {"pose_a": np.eye(4)[None]}):
+    for wrong in (
+        {"size": (10, 10)},
+        {"size": (1e3, 100)},
+        {"up": "x"},
+        {"focus": "b"},
+        {"path": "a.jpg"},
+        {"pose_a": np.eye(4)[None]},
+    ):
         with pytest.raises(impinge.InputError) as caught:
             impinge.show(ring, ring, **wrong)
         assert caught.value.what in wrong

@@ -43,7 +43,7 @@ pub enum BcfError {
     Xml {
         /// Name of the file in the archive.
         name: String,
-        /// What is wrong with it.
+        /// Description of the fault.
         message: String,
     },
 }

@@ -24,9 +24,9 @@ pub(super) struct Topic<'r> {
     pub(super) priority: String,
     pub(super) labels: Vec<String>,
     pub(super) description: String,
-    /// What the viewpoint shows.
+    /// Subject of the viewpoint.
     pub(super) shown: Shown<'r>,
-    /// Its two parts.
+    /// Two parts that the viewpoint shows.
     pub(super) parts: [&'r Member; 2],
 }
 

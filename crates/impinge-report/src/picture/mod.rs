@@ -4,11 +4,14 @@
 //! that edges are smooth. Several canvases are layers that are blended. The point in the middle of
 //! the picture is subtracted in f64 before anything is rounded.
 //!
-//! `clash` draws a clash of a report: the `parts` of its scenes with their `sharp_edges`, its `subject`,
-//! from the direction that `view` chooses. `pair` draws two meshes with their intersection, `hierarchy` a mesh
-//! with boxes (`box_edges`, `svg`), and `character` hit volumes. `camera` projects along directions
-//! of `axes`. `canvas` has triangles and layers, `lines` has lines and curves, `glyphs` letters,
-//! `scale` the scale bar and the axes, and `color` colors and lights.
+//! `clash` draws a clash of a report: the `parts` of its scenes with their `sharp_edges`, its
+//! `subject`, from the direction that `view` chooses. `pair` draws two meshes with their
+//! intersection, `hierarchy` a mesh with boxes (`box_edges`, `svg`), and `character` hit volumes.
+//!
+//! `camera` projects along directions of `axes`. `canvas` has triangles and layers, `lines` has
+//! lines and curves, `glyphs` letters, `scale` the scale bar and the axes, and `color` colors and
+//! lights. `bounds` and `vector` have boxes and vectors, and `picture` is the result.
+//!
 //! Tests are beside the code, and in `tests/cli` of `impinge-cli`.
 
 mod axes;
