@@ -49,6 +49,29 @@ struct Files {
 /// version 5 of what the clashes of a group share, so that a later report updates the topics.
 /// Coordinates are in meters, with Z up, and with the origin of the scenes added.
 ///
+/// ```
+/// use impinge::clash::{self, Options, Side};
+/// use impinge::query::batch::Execution;
+/// use impinge::scene::Scene;
+/// use impinge::{Pose, Shape};
+/// use impinge_files::{ReportAbout, Unit};
+/// use impinge_report::bcf::{BcfOptions, BcfVersion, parse_previous_bcf, write_bcf};
+/// use impinge_report::picture::Axis;
+///
+/// let cube = Shape::cuboid([0.5; 3])?;
+/// let mut scene = Scene::new();
+/// scene.add("a", &cube, Pose::IDENTITY)?;
+/// scene.add("b", &cube, Pose::from_translation([0.75, 0.25, 0.25])?)?;
+/// let sides = [Side { label: "cubes".to_owned(), scene: &scene }];
+/// let report = clash::find(&sides, Options::new(0.001), Execution::default())?;
+/// let options = BcfOptions { version: BcfVersion::V3, unit: Unit::Meter, up: Axis::Z, date: 0 };
+/// let mut file = Vec::new();
+/// assert_eq!(write_bcf(&mut file, &report, &ReportAbout::default(), &sides, &options)?, 1);
+/// let previous = parse_previous_bcf(&file, Unit::Meter)?;
+/// assert_eq!(previous.clashes[0].id, report.clashes[0].id);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// Returns the errors of the output.
 pub fn write_bcf(

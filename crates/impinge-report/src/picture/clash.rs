@@ -49,6 +49,25 @@ pub const COLOR_A: [u8; 3] = FIRST;
 pub const COLOR_B: [u8; 3] = SECOND;
 
 /// Scenes whose clashes are drawn.
+///
+/// ```
+/// use impinge::clash::{self, Options, Side};
+/// use impinge::query::batch::Execution;
+/// use impinge::scene::Scene;
+/// use impinge::{Pose, Shape};
+/// use impinge_report::picture::{Axis, Gallery};
+///
+/// let cube = Shape::cuboid([0.5; 3])?;
+/// let mut scene = Scene::new();
+/// scene.add("a", &cube, Pose::IDENTITY)?;
+/// scene.add("b", &cube, Pose::from_translation([0.75, 0.25, 0.25])?)?;
+/// let sides = [Side { label: "cubes".to_owned(), scene: &scene }];
+/// let report = clash::find(&sides, Options::new(0.001), Execution::default())?;
+/// let gallery = Gallery::new(&sides, None, Axis::Z, [160, 120]);
+/// let view = gallery.clash(&report.clashes[0]).ok_or("the cubes are bounded")?;
+/// assert_eq!(view.draw().size(), [160, 120]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Gallery<'s> {
     parts: Parts<'s>,
     unit: Option<Unit>,
