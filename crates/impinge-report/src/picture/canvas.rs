@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::camera::{Camera, Seen};
 use super::color::{Color, lit_triangle, mixed};
-use super::picture::Picture;
+use super::pixels::Picture;
 use super::vector::Vector;
 
 /// Samples per pixel along each axis. A pixel shows their mean. More samples make edges smoother

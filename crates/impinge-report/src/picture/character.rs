@@ -8,7 +8,7 @@ use super::camera::Camera;
 use super::canvas::Canvas;
 use super::color::{DISTINCT, MESH};
 use super::lines::Stroke;
-use super::picture::Picture;
+use super::pixels::Picture;
 use super::vector::{add, times};
 
 /// Number of frames in a row.

@@ -11,7 +11,7 @@ use super::canvas::Canvas;
 use super::color::{CURVE, Color, FIRST, GHOST, INK, SECOND, shaded};
 use super::lines::Stroke;
 use super::parts::{Part, Parts};
-use super::picture::Picture;
+use super::pixels::Picture;
 use super::scale;
 use super::subject::Subject;
 use super::vector::{Vector, times};

@@ -10,7 +10,7 @@
 //!
 //! `camera` projects along directions of `axes`. `canvas` has triangles and layers, `lines` has
 //! lines and curves, `glyphs` letters, `scale` the scale bar and the axes, and `color` colors and
-//! lights. `bounds` and `vector` have boxes and vectors, and `picture` is the result.
+//! lights. `bounds` and `vector` have boxes and vectors, and `pixels` is the result.
 //!
 //! Tests are beside the code, and in `tests/cli` of `impinge-cli`.
 
@@ -27,7 +27,7 @@ mod hierarchy;
 mod lines;
 mod pair;
 mod parts;
-mod picture;
+mod pixels;
 mod scale;
 mod sharp_edges;
 mod subject;
@@ -41,4 +41,4 @@ pub use clash::{COLOR_A, COLOR_B, FIELD_OF_VIEW, Gallery, View};
 pub use color::{DISTINCT, DISTINCT_NAMES};
 pub use hierarchy::HierarchyPicture;
 pub use pair::{Pair, PairView, pair};
-pub use picture::{Picture, png};
+pub use pixels::{Picture, png};

@@ -7,7 +7,7 @@ use super::axes::{Axis, orbit};
 use super::camera::Camera;
 use super::canvas::Canvas;
 use super::color::Color;
-use super::picture::Picture;
+use super::pixels::Picture;
 use super::vector::Vector;
 
 /// Colors of `a`, opaque, and of `b`, transparent.

@@ -6,7 +6,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use super::lines::Stroke;
-use super::picture::Picture;
+use super::pixels::Picture;
 
 /// Writes the file.
 ///
