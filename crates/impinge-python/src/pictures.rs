@@ -21,8 +21,9 @@ pub(crate) fn picture_of_pair<'py>(
     meshes: (Bound<'py, PyAny>, Bound<'py, PyAny>),
     world_from_mesh: (Bound<'py, PyAny>, Bound<'py, PyAny>),
     pairs: &Bound<'py, PyAny>,
-    (size, angles, is_y_up, focus_on_contact): View,
+    view: View,
 ) -> PyResult<Bound<'py, PyAny>> {
+    let (size, angles, is_y_up, focus_on_contact) = view;
     let (a, b) = (mesh_of(&meshes.0, "a")?, mesh_of(&meshes.1, "b")?);
     let pose = |value, name| poses::read_one(value, name, "must be one pose, (4, 4)");
     let world_from_mesh = [pose(&world_from_mesh.0, "pose_a")?, pose(&world_from_mesh.1, "pose_b")?];

@@ -76,7 +76,7 @@ fn round_length(longest: f64) -> Option<f64> {
         [(1, decade - 1), (2, decade - 1), (5, decade - 1), (1, decade), (2, decade), (5, decade), (1, decade + 1)];
     // The shortest text of a number is the number itself, and powers of ten are not.
     let lengths = candidates.map(|(digit, exponent)| format!("{digit}e{exponent}").parse::<f64>());
-    lengths.into_iter().flatten().filter(|&length| length <= longest).last()
+    lengths.into_iter().flatten().rfind(|&length| length <= longest)
 }
 
 #[cfg(test)]
