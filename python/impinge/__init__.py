@@ -40,6 +40,7 @@ from impinge._origin import Origin
 from impinge._pairs import Pairs
 from impinge._part_bodies import PartBodies
 from impinge._penetration import Penetration, penetration
+from impinge._picture import Picture
 from impinge._points import ClosestPoint, RayHit, RayHits
 from impinge._pose import pose
 from impinge._robot import Robot
@@ -107,6 +108,7 @@ __all__ = [
     "PartHits",
     "PartPairs",
     "Penetration",
+    "Picture",
     "RayHit",
     "RayHits",
     "Repair",

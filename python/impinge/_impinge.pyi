@@ -71,6 +71,7 @@ __all__ = [
     "partition_ray_cast_all",
     "penetrates",
     "penetration",
+    "picture_of_pair",
     "proxies",
     "ray_cast",
     "ray_cast_all",
@@ -84,6 +85,7 @@ __all__ = [
     "signed_distance",
     "time_of_impact",
     "to_baked",
+    "to_png",
     "tree_statistics",
     "vertex_face",
     "winding_number",
@@ -517,6 +519,8 @@ def health(mesh: Any) -> dict[str, int]: ...
 def closing_tolerance(mesh: Any) -> float | None: ...
 def repaired(mesh: Any, weld: float, orient: bool) -> tuple[MeshBase, dict[str, Any]]: ...
 def tree_statistics(mesh: Any) -> dict[str, Any]: ...
+def picture_of_pair(meshes: Any, world_from_mesh: Any, pairs: Any, view: Any) -> NDArray[np.uint8]: ...
+def to_png(pixels: Any) -> bytes: ...
 def convex_hull(points: Any) -> tuple[NDArray[np.uint32], NDArray[np.uint32], int]: ...
 def convex_parts(
     mesh: Any, concavity: float | None, max_parts: int

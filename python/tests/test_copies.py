@@ -62,6 +62,7 @@ def examples():
     crossing = impinge.Scene({"a": box, "b": box, "c": box}, poses={"c": pose([0.5, 0, 0])})
     clashes = impinge.clash(crossing)
     made = [
+        impinge.show(mesh, box, size=(16, 16)),
         clashes, clashes[0], clashes[0].a, clashes.duplicates[0], clashes.groups()[0], clashes.diff(clashes),
         gantry, gantry.check(np.zeros((2, 5))), impinge.Joint("a", "b", "c"), gantry.clearance(np.zeros(5)),
         gantry.check_motion(np.zeros(5), np.ones(5) * 0.01),

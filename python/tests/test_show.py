@@ -5,8 +5,6 @@ import numpy as np
 import pytest
 from shapes import TRIANGLE, cube, torus
 
-image = pytest.importorskip("PIL.Image")
-
 
 def pixels(picture):
     return np.asarray(picture).astype(int)
@@ -34,7 +32,9 @@ def test_intersecting_faces_and_curves_are_visible(tmp_path):
     picture = impinge.show(ring, ring, pose_b=meeting, size=(320, 240), view=(150, 30), path=path)
     assert 0.002 < struck(picture).mean() < 0.3
     assert curve(picture).sum() > 50
-    assert np.array_equal(pixels(image.open(path)), pixels(picture))
+    assert path.read_bytes() == picture._repr_png_()
+    assert path.read_bytes().startswith(b"\x89PNG\r\n")
+    assert (picture.width, picture.height, picture.pixels.shape) == (320, 240, (240, 320, 3))
 
 
 def test_right_and_up_of_the_picture_match_the_world():
@@ -78,7 +78,14 @@ def test_focus_on_contact_zooms_in():
 
 def test_errors_name_the_invalid_option():
     ring = impinge.Mesh(*torus())
-    for wrong in ({"size": (10, 10)}, {"size": (1e3, 100)}, {"up": "x"}, {"focus": "b"}, {"pose_a": np.eye(4)[None]}):
+    for wrong in (
+        {"size": (10, 10)},
+        {"size": (1e3, 100)},
+        {"up": "x"},
+        {"focus": "b"},
+        {"path": "a.jpg"},
+        {"pose_a": np.eye(4)[None]},
+    ):
         with pytest.raises(impinge.InputError) as caught:
             impinge.show(ring, ring, **wrong)
         assert caught.value.what in wrong

@@ -5,6 +5,7 @@
 
 #![forbid(unsafe_code)]
 
+mod axis;
 mod bake;
 mod body;
 mod bounds;

@@ -30,6 +30,7 @@ mod motions;
 mod pace;
 mod partition_queries;
 mod partitions;
+mod pictures;
 mod points;
 mod poses;
 mod question;
@@ -104,6 +105,8 @@ mod _impinge {
     };
     #[pymodule_export]
     use super::partitions::{PartitionCore, box_pairs};
+    #[pymodule_export]
+    use super::pictures::{picture_of_pair, to_png};
     #[pymodule_export]
     use super::points::{closest_point, contains, signed_distance, winding_number};
     #[pymodule_export]

@@ -2,4 +2,6 @@
 //!
 //! The command line and the Python package draw with this crate alone.
 
+pub mod bcf;
 pub mod html;
+pub mod picture;

@@ -1,5 +1,6 @@
 //! `impinge clash`: finds the parts of scenes that run into each other.
 
+mod handover;
 mod report;
 mod scenes;
 
@@ -9,15 +10,17 @@ use clap::{Args, ValueEnum};
 use impinge::clash::{Accept, ClashError, Grouping, Job, Options, Previous, Report, Rules, Side, default_tolerance};
 use impinge::query::batch::Execution;
 use impinge_files::{
-    Asked, Length, Limits, ReportAbout, RulesFile, RulesFormat, SceneAbout, Unit, load_previous, load_rules,
-    write_clash_csv, write_clash_json,
+    Asked, Length, Limits, ReportAbout, RulesFile, RulesFormat, SceneAbout, Unit, load_rules, write_clash_csv,
+    write_clash_json,
 };
 use impinge_report::html::write_clash_page;
 
+use crate::axis::Axis;
 use crate::check::timed;
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::{Verdict, console, output};
+use handover::HandedOver;
 use scenes::Loaded;
 
 /// Maximum value of `--threads`: more than any machine has processors. The answer does not depend
@@ -62,8 +65,9 @@ pub(crate) struct Arguments {
     /// .json clash sets of IfcClash
     #[arg(long, value_name = "RULES")]
     rules: Option<PathBuf>,
-    /// A report that --json wrote before: statuses carry over from it, and what is gone is listed
-    #[arg(long, value_name = "OLD.json")]
+    /// A report that --json or --bcf wrote before: statuses carry over from it, and what is gone is
+    /// listed
+    #[arg(long, value_name = "OLD")]
     previous: Option<PathBuf>,
     /// Accepted clashes, as [[accept]] tables in a .toml file
     #[arg(long, value_name = "A.toml")]
@@ -97,6 +101,19 @@ pub(crate) struct Arguments {
     /// The page needs no other file and no network.
     #[arg(long, value_name = "OUT")]
     view: Option<PathBuf>,
+    /// Write a picture of the worst clash of each group to a folder, as ID.png; at most 100
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
+    /// Write one topic for each group to a .bcfzip file, with a viewpoint and a picture
+    #[arg(long, value_name = "OUT")]
+    bcf: Option<PathBuf>,
+    /// Version of the BCF file
+    #[arg(long, value_name = "V", default_value = "2.1", requires = "bcf")]
+    bcf_version: BcfVersionArgument,
+    /// Axis of the scenes that points up in pictures and BCF; y for glTF and z for other files by
+    /// default
+    #[arg(long, value_name = "AXIS")]
+    up: Option<Axis>,
     /// Number of threads to use; all processors by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
     threads: Option<u16>,
@@ -115,10 +132,20 @@ enum GroupingArgument {
     None,
 }
 
+/// Values of `--bcf-version`.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum BcfVersionArgument {
+    #[value(name = "2.1")]
+    V2,
+    #[value(name = "3.0")]
+    V3,
+}
+
 /// All results of a search.
 struct Outcome<'r> {
     about: ReportAbout<'r>,
     report: Report,
+    handed_over: HandedOver,
     seconds: Seconds,
 }
 
@@ -155,7 +182,7 @@ fn answer(arguments: &Arguments) -> Result<Verdict, Failure> {
         None => None,
     };
     let previous = match &arguments.previous {
-        Some(path) => Some(load_previous(path, unit, &limits)?),
+        Some(path) => Some(handover::previous(path, unit, &limits)?),
         None => None,
     };
     let accepts = match &arguments.accept {
@@ -171,7 +198,8 @@ fn answer(arguments: &Arguments) -> Result<Verdict, Failure> {
     let scenes = loaded.iter().map(Loaded::about).collect();
     let stated = rules.as_ref().filter(|_| rules_file.is_some());
     let about = ReportAbout { unit, scenes, asked, rules: stated };
-    let outcome = Outcome { about, report, seconds: Seconds { load, search } };
+    let handed_over = handover::write(arguments, &loaded, &sides, &report, &about)?;
+    let outcome = Outcome { about, report, handed_over, seconds: Seconds { load, search } };
     if let Some(path) = &arguments.view {
         let Outcome { about, report, .. } = &outcome;
         output::write(path, |out| write_clash_page(out, &sides, report, about, VERSION))?;
@@ -253,6 +281,12 @@ impl Arguments {
         if let Some(path) = self.view.as_deref().filter(|path| output::extension(path) != "html") {
             return Err(output::unknown_extension(path, ".html"));
         }
+        if let Some(path) = self.bcf.as_deref().filter(|path| !handover::is_bcf(path)) {
+            return Err(output::unknown_extension(path, ".bcfzip or .bcf"));
+        }
+        if let Some(path) = &self.pictures {
+            handover::validate_folder(path)?;
+        }
         if let Some(path) = self.accept.as_deref().filter(|path| output::extension(path) != "toml") {
             return Err(Failure::new("rules", "accepted clashes are in a .toml file").in_file(path));
         }
@@ -264,7 +298,7 @@ impl Arguments {
         // A previous report may be replaced by the new one.
         let scenes: Vec<PathBuf> = self.scenes.iter().map(|argument| scenes::split(argument).1).collect();
         let inputs: Vec<&Path> = scenes.iter().chain(&self.rules).chain(&self.accept).map(PathBuf::as_path).collect();
-        [self.json_file(), self.csv.as_deref(), self.view.as_deref()]
+        [self.json_file(), self.csv.as_deref(), self.view.as_deref(), self.bcf.as_deref()]
             .into_iter()
             .flatten()
             .try_for_each(|path| output::validate(path, &inputs))

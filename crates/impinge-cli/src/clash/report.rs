@@ -27,6 +27,7 @@ pub(super) fn text(outcome: &Outcome<'_>) -> String {
     text += &groups(outcome);
     text += &rules(outcome);
     text += &statuses(outcome);
+    text += &files(outcome);
     let seconds = outcome.seconds;
     // Writing to a String cannot fail.
     let _ = writeln!(text, "\n{FAINT}time      {FAINT:#}load {}, search {}", time(seconds.load), time(seconds.search));
@@ -247,4 +248,17 @@ fn statuses(outcome: &Outcome<'_>) -> String {
         parts.push(format!("{} gone{because}", count(gone.len())));
     }
     format!("\n{FAINT}status    {FAINT:#}{}\n", parts.join(", "))
+}
+
+/// Returns the numbers of pictures and topics that were written.
+fn files(outcome: &Outcome<'_>) -> String {
+    let mut text = String::new();
+    if let Some([written, all]) = outcome.handed_over.pictures {
+        let of_all = if written < all { format!(" of {} groups", count(all)) } else { String::new() };
+        let _ = writeln!(text, "\n{FAINT}pictures  {FAINT:#}{}{of_all}", count(written));
+    }
+    if let Some(topics) = outcome.handed_over.topics {
+        let _ = writeln!(text, "\n{FAINT}BCF       {FAINT:#}{}", counted(topics, "topic"));
+    }
+    text
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use impinge::scene::Scene;
-use impinge_files::{SceneAbout, SceneOptions, Unit, load_scene};
+use impinge_files::{Format, SceneAbout, SceneOptions, Unit, load_scene};
 use rayon::prelude::*;
 
 use super::Arguments;
@@ -16,7 +16,9 @@ pub(super) struct Loaded {
     pub(super) scene: Scene,
     /// Unit of the scene, which all scenes share; `None` if it is not known.
     pub(super) unit: Option<Unit>,
-    path: PathBuf,
+    pub(super) path: PathBuf,
+    /// Whether the file is glTF, in which Y points up.
+    pub(super) is_gltf: bool,
     origin: [f64; 3],
     warnings: Vec<String>,
 }
@@ -97,8 +99,9 @@ fn load_one(label: &str, path: &Path, options: &SceneOptions) -> Result<Loaded, 
     let model = load_scene(path, options)?;
     let warnings = model.warnings.iter().map(ToString::to_string).collect();
     let (unit, origin) = (model.unit, model.origin);
+    let is_gltf = matches!(model.format, Format::Gltf | Format::Glb);
     let scene = model.into_scene(|mesh| mesh.solid().into()).map_err(|error| Failure::from(error).in_file(path))?;
-    Ok(Loaded { label: label.to_owned(), scene, unit, path: path.to_owned(), origin, warnings })
+    Ok(Loaded { label: label.to_owned(), scene, unit, path: path.to_owned(), is_gltf, origin, warnings })
 }
 
 /// Returns the file of names of each scene: that with its label, or else that without a label.

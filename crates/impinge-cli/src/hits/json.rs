@@ -1,9 +1,9 @@
 //! The JSON answer: one object of schema `impinge.hits/1`. Values that are not known are absent.
 
 use impinge::character::HitVolume;
+use impinge_report::picture::DISTINCT_NAMES;
 use serde::Serialize;
 
-use super::picture::NAMES;
 use super::{Fitting, Outcome, Seconds};
 use crate::console;
 
@@ -78,7 +78,7 @@ pub(super) fn object(outcome: &Outcome<'_>) -> String {
     let picture = arguments.picture.as_ref().zip(*frames).map(|(path, frames)| Drawn {
         path: path.display().to_string(),
         frames,
-        colours: (0..character.parts().len()).map(|at| NAMES[at % NAMES.len()]).collect(),
+        colours: (0..character.parts().len()).map(|at| DISTINCT_NAMES[at % DISTINCT_NAMES.len()]).collect(),
     });
     console::to_line(&Object {
         schema: "impinge.hits/1",

@@ -1,7 +1,7 @@
 //! `impinge hits`: fits hit volumes to the parts of a rigged character.
 
 mod json;
-mod picture;
+mod poses;
 mod report;
 
 use std::num::NonZero;
@@ -9,11 +9,11 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use impinge::character::{Character, Leak, Mode, Plan, Rig};
+use impinge_report::picture;
 
 use crate::check::timed;
 use crate::failure::Failure;
 use crate::{Verdict, console, output};
-use picture::Sheet;
 
 /// Default maximum number of volumes: a head, a torso and four limbs.
 const DEFAULT_VOLUMES: NonZero<usize> = NonZero::new(6).expect("not zero");
@@ -112,8 +112,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let leaks = leaks.map_err(broken)?;
     let mut frames = None;
     if let Some(file) = &arguments.picture {
-        let poses = picture::poses(&rig, arguments.animation.as_deref(), path)?;
-        let (sheet, _) = timed("drawing", || Sheet::draw(&rig, &character, &poses));
+        let poses = poses::poses(&rig, arguments.animation.as_deref(), path)?;
+        let (sheet, _) = timed("drawing", || picture::character(&rig, &character, &poses));
         output::write(file, |out| out.write_all(&sheet.png()?))?;
         frames = Some(poses.len());
     }

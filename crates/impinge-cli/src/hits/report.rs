@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use anstyle::Style;
 
-use super::picture::NAMES;
 use super::{Fitting, Outcome};
 use crate::numerals::{counted, length, time};
+use impinge_report::picture::DISTINCT_NAMES as NAMES;
 
 const STRONG: Style = Style::new().bold();
 const FAINT: Style = Style::new().dimmed();

@@ -2,23 +2,23 @@
 //! the hierarchy.
 
 mod json;
-pub(crate) mod picture;
 mod proxies;
 mod report;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use impinge::Pose;
 use impinge::hierarchy::{Builder, MAX_DEPTH, TreeStatistics};
 use impinge::mesh::Health;
+use impinge_report::picture::HierarchyPicture;
 
+use crate::axis::Axis;
 use crate::body::{Body, Loaded, Reading};
 use crate::bounds::Bounds;
 use crate::check::timed;
 use crate::failure::Failure;
 use crate::{Verdict, console, output, repair};
-use picture::{Picture, PictureFormat};
 use proxies::Summary;
 
 /// Maximum number of boxes in a picture if no level is requested: the deepest level within it is
@@ -57,12 +57,11 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-/// An axis of the mesh frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Axis {
-    X = 0,
-    Y = 1,
-    Z = 2,
+/// Format of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PictureFormat {
+    Png,
+    Svg,
 }
 
 /// All results of an inspection.
@@ -124,8 +123,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     if let Some((path, format)) = picture {
         let level = arguments.level.unwrap_or_else(|| default_level(&body));
         let boxes = body.mesh.tree_level(level);
-        let (picture, _) = timed("drawing", || Picture::draw(&body.mesh, &boxes, arguments.up as usize));
-        output::write(path, |out| picture.write(format, out))?;
+        let (picture, _) = timed("drawing", || HierarchyPicture::draw(&body.mesh, &boxes, arguments.up.into()));
+        output::write(path, |out| match format {
+            PictureFormat::Png => picture.write_png(out),
+            PictureFormat::Svg => picture.write_svg(out),
+        })?;
         drawn = Some(Drawn { path: path.display().to_string(), level, boxes: boxes.len() });
     }
     let bounds = Bounds::of(&body.mesh, &Pose::IDENTITY);
@@ -140,4 +142,18 @@ fn default_level(body: &Body) -> usize {
     // All levels below the deepest leaf are equal.
     let deepest = body.mesh.tree_statistics().depth.min(MAX_DEPTH);
     (1..=deepest).take_while(fits).last().unwrap_or(0)
+}
+
+impl PictureFormat {
+    /// Returns the format that the extension of a path names.
+    ///
+    /// # Errors
+    /// Returns an error if the extension is neither `.png` nor `.svg`.
+    fn of(path: &Path) -> Result<Self, Failure> {
+        match output::extension(path).as_str() {
+            "png" => Ok(Self::Png),
+            "svg" => Ok(Self::Svg),
+            _ => Err(output::unknown_extension(path, ".png or .svg")),
+        }
+    }
 }

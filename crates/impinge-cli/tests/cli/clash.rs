@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::{Folder, Run};
 
 /// Returns boxes as one OBJ file, each with a name and two corners.
-fn model(boxes: &[(&str, [f64; 3], [f64; 3])]) -> String {
+pub(crate) fn model(boxes: &[(&str, [f64; 3], [f64; 3])]) -> String {
     let mut text = String::new();
     for (number, (name, min, max)) in boxes.iter().enumerate() {
         for corner in 0..8 {
@@ -21,18 +21,23 @@ fn model(boxes: &[(&str, [f64; 3], [f64; 3])]) -> String {
     text
 }
 
-const WALL: (&str, [f64; 3], [f64; 3]) = ("wall", [0.0; 3], [5.0, 0.25, 3.0]);
+pub(crate) const WALL: (&str, [f64; 3], [f64; 3]) = ("wall", [0.0; 3], [5.0, 0.25, 3.0]);
 const PIPE: (&str, [f64; 3], [f64; 3]) = ("pipe", [1.0, 0.125, 1.0], [1.125, 2.0, 1.125]);
 const SHELF: (&str, [f64; 3], [f64; 3]) = ("shelf", [3.0, 0.26, 0.0], [4.0, 0.5, 1.0]);
 const LAMP: (&str, [f64; 3], [f64; 3]) = ("lamp", [9.0; 3], [10.0; 3]);
 
-fn folder() -> Folder {
+/// Returns the model of most tests.
+pub(crate) fn house() -> String {
+    model(&[WALL, PIPE, SHELF, LAMP])
+}
+
+pub(crate) fn folder() -> Folder {
     let folder = Folder::new();
-    folder.write("house.obj", &model(&[WALL, PIPE, SHELF, LAMP]));
+    folder.write("house.obj", &house());
     folder
 }
 
-fn json(run: &Run) -> Value {
+pub(crate) fn json(run: &Run) -> Value {
     serde_json::from_str(&run.stdout).unwrap()
 }
 

@@ -3,6 +3,7 @@
 mod answers;
 mod bake;
 mod clash;
+mod clash_bcf;
 mod distances;
 mod errors;
 mod files;

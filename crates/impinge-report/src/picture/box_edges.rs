@@ -1,16 +1,10 @@
 //! The edges of boxes as lines: strong if visible, faint if hidden by the mesh.
 
-use super::camera::{Camera, Seen, corners};
+use super::bounds::{Bounds, corners};
+use super::camera::{Camera, Seen};
 use super::canvas::Canvas;
-
-/// A line in the picture, in pixels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Stroke {
-    pub(crate) ends: [[f64; 2]; 2],
-    pub(crate) color: [u8; 3],
-    pub(crate) opacity: f64,
-    pub(crate) width: f64,
-}
+use super::color::DISTINCT;
+use super::lines::Stroke;
 
 /// Distance between two visibility checks along an edge, in pixels. A larger value cuts edges less
 /// precisely.
@@ -19,18 +13,13 @@ const STEP: f64 = 1.5;
 /// Depth tolerance in pixels, so that an edge on the surface of the mesh counts as visible.
 const TOLERANCE: f64 = 1.5;
 
-/// Colors that are easy to tell apart (Okabe, Ito, *Color universal design*, 2008, without yellow
-/// and black).
-pub(crate) const COLORS: [[u8; 3]; 6] =
-    [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [230, 159, 0]];
-
 /// Returns the edges of all boxes, hidden parts first, so that visible parts are drawn over them.
-pub(crate) fn of_boxes(boxes: &[[[f64; 3]; 2]], camera: &Camera, canvas: &Canvas) -> Vec<Stroke> {
+pub(super) fn strokes(boxes: &[Bounds], camera: &Camera, canvas: &Canvas) -> Vec<Stroke> {
     let width = if boxes.len() > 40 { 1.5 } else { 2.0 };
     let mut strokes = Vec::new();
     for (number, bounds) in boxes.iter().enumerate() {
         let seen = corners(bounds).map(|corner| camera.project(corner));
-        let color = COLORS[number % COLORS.len()];
+        let color = DISTINCT[number % DISTINCT.len()];
         for from in 0..8_usize {
             for axis in 0..3 {
                 let to = from | 1 << axis;
@@ -71,12 +60,16 @@ fn runs(from: Seen, to: Seen, canvas: &Canvas, mut run: impl FnMut([[f64; 2]; 2]
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture::axes::{Axis, from_front_right};
+    use crate::picture::canvas::SAMPLES;
 
     #[test]
     fn an_edge_is_cut_where_it_is_hidden() {
         let mut canvas = Canvas::new([100, 100]);
-        // A triangle covers the right half at depth 10.
-        canvas.fill([[50.0, -100.0, 10.0], [50.0, 300.0, 10.0], [300.0, 50.0, 10.0]], 1.0);
+        // A surface covers the right half at depth 10.
+        for row in canvas.depths.chunks_mut(100 * SAMPLES) {
+            row[50 * SAMPLES..].fill(10.0);
+        }
         let mut found = Vec::new();
         runs([10.0, 50.0, 20.0], [90.0, 50.0, 20.0], &canvas, |ends, is_seen| found.push((ends, is_seen)));
         assert_eq!(found.len(), 2, "{found:?}");
@@ -90,7 +83,7 @@ mod tests {
     #[test]
     fn a_box_has_twelve_edges() {
         let boxes = [[[0.0; 3], [1.0; 3]]];
-        let camera = Camera::around(&boxes, 1, 300);
-        assert_eq!(of_boxes(&boxes, &camera, &Canvas::new(camera.size())).len(), 12);
+        let camera = Camera::around(&boxes, from_front_right(Axis::Y), 300);
+        assert_eq!(strokes(&boxes, &camera, &Canvas::new(camera.size())).len(), 12);
     }
 }

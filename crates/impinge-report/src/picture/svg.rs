@@ -1,24 +1,24 @@
-//! Writes the picture as SVG: the mesh as an embedded PNG image, the boxes as vectors over it.
+//! Writes SVG: a picture as an embedded PNG image, and strokes as vectors over it.
 
 use std::io::{self, Write};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use super::canvas::Canvas;
-use super::strokes::Stroke;
+use super::lines::Stroke;
+use super::pixels::Picture;
 
 /// Writes the file.
 ///
 /// # Errors
-/// Returns an error if the file cannot be written.
-pub(super) fn write(out: &mut dyn Write, canvas: &Canvas, strokes: &[Stroke]) -> io::Result<()> {
-    let [width, height] = canvas.size();
+/// Returns the errors of the output.
+pub(super) fn write(out: &mut dyn Write, picture: &Picture, strokes: &[Stroke]) -> io::Result<()> {
+    let [width, height] = picture.size();
     writeln!(
         out,
         r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}">"#
     )?;
-    let image = STANDARD.encode(canvas.png()?);
+    let image = STANDARD.encode(picture.png()?);
     writeln!(out, r#"<image width="{width}" height="{height}" href="data:image/png;base64,{image}"/>"#)?;
     writeln!(out, r#"<g fill="none" stroke-linecap="round">"#)?;
     // Consecutive strokes of the same style form one path.
