@@ -94,8 +94,8 @@ impl Mesh {
         Facets { parts, planes }
     }
 
-    /// Returns how far the mesh reaches beyond the plane of a face, and infinity if that is more than
-    /// a tolerance or the face has no area.
+    /// Returns how far the mesh reaches beyond the plane of a face, and infinity if that is more
+    /// than a tolerance or the face has no area.
     fn overhang(&self, face: u32, tolerance: f64) -> f64 {
         let [p, q, r] = self.corners(face);
         let Some(normal) = unit(&cross(&sub(&q, &p), &sub(&r, &p))) else { return f64::INFINITY };

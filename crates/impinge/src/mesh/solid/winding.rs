@@ -248,8 +248,8 @@ impl<'m> PointClassifier<'m> {
         self.winding_by_border(point, |_, strips| strips.error < NARROW_ERROR)
     }
 
-    /// Returns the winding number of the mesh about a point, computed from the crossings of a ray and
-    /// the strips of the border. Further rays are tried until the result is enough.
+    /// Returns the winding number of the mesh about a point, computed from the crossings of a ray
+    /// and the strips of the border. Further rays are tried until the result is enough.
     fn winding_by_border(
         &mut self,
         point: &PosedPoint<'_>,

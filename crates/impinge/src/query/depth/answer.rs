@@ -1,6 +1,6 @@
 //! The answer about the depth of two solids.
 
-use super::search::Found;
+use super::goal::Found;
 
 /// Depth of the material that two solids share, as a proved interval, with a point that shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -106,6 +106,12 @@ impl Cell {
         bounds
     }
 
+    /// Returns the box about the cell, grown by a margin.
+    pub(super) fn bounds_grown(&self, margin: f64) -> [Vector; 2] {
+        let [low, high] = self.bounds();
+        [low.map(|x| x - margin), high.map(|x| x + margin)]
+    }
+
     /// Cuts the cell by a plane: returns the cell inside its half-space and the cell beyond. A cell
     /// without corners off the plane by more than the slack is `None`. Returns `None` alone if the
     /// cell has too many planes or corners to be cut.

@@ -14,8 +14,8 @@ const MANY_FACETS: usize = 12;
 /// Difference of two ways out, relative to the target, up to which they count as equal.
 const EVEN: f64 = 1.0 / 4096.0;
 
-/// Distance beside a facet up to which a point counts as over it, in units of the slack. Cells reach
-/// this far beyond the solids.
+/// Distance beside a facet up to which a point counts as over it, in units of the slack. Cells
+/// reach this far beyond the solids.
 pub(super) const BESIDE: f64 = 8.0;
 
 /// Lengths and solids on which the cuts depend.
@@ -72,8 +72,8 @@ impl Divider<'_, '_> {
         self.sides[side].supporting(face).filter(|_| self.bounded[side])
     }
 
-    /// Returns the faces that divide a cell. A face of a facet that supports the solid, and that the
-    /// cell does not reach beyond, does not.
+    /// Returns the faces that divide a cell. A face of a facet that supports the solid, and that
+    /// the cell does not reach beyond, does not.
     fn faces_in(&self, cell: &Cell, side: usize, local: &Local) -> Vec<u32> {
         let divides = |&face: &u32| {
             self.supporting(side, face).is_none_or(|facet| {
@@ -86,8 +86,8 @@ impl Divider<'_, '_> {
 
     /// Returns the plane between the points of a cell with a shorter way out at one facet and those
     /// with a shorter way at another. The facets are the one that bounds all ways best, and the one
-    /// with the shortest way from the corner where that bound is reached. `None` if this is the same
-    /// facet, or an equally long way.
+    /// with the shortest way from the corner where that bound is reached. `None` if this is the
+    /// same facet, or an equally long way.
     fn between_ways_out(&self, cell: &Cell, side: usize, local: &Local) -> Option<Plane> {
         let own = &self.sides[side];
         let (facet, corner) = own.nearest_way_out(cell, &local.facets)?;

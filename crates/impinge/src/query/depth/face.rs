@@ -1,6 +1,6 @@
 //! A face in the frame of the search for a depth, and the boxes of this frame.
 
-use super::cell::Plane;
+use super::cell::{Cell, Plane};
 use crate::math::Pose;
 use crate::math::vec3::{Vector, add, cross, dot, sub, unit};
 use crate::mesh::PlacedMesh;
@@ -48,6 +48,22 @@ impl Face {
     /// Returns the plane through an edge, at right angles to the face, with the face inside.
     pub(super) fn edge_plane(&self, edge: usize) -> Option<Plane> {
         self.edges[edge]
+    }
+
+    /// Reports whether the face may reach a cell.
+    pub(super) fn reaches(&self, cell: &Cell, slack: f64) -> bool {
+        if let Some(normal) = self.normal {
+            let level = dot(&normal, &self.corners[0]);
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for corner in cell.corners() {
+                let height = dot(&normal, corner) - level;
+                (low, high) = (low.min(height), high.max(height));
+            }
+            if low > slack || high < -slack {
+                return false;
+            }
+        }
+        !cell.is_beside(&self.corners, slack) && !cell.clip(&self.corners, slack).is_empty()
     }
 
     /// Reports whether the foot of a point in the face's plane is in the face.

@@ -1,8 +1,8 @@
 //! A flat part of a surface in the frame of the search for a depth.
 //!
 //! A facet bounds the distance of a point from the surface in two ways. If the foot of the point is
-//! in the facet, the facet is no farther than its plane. If the facet supports the solid, no part of
-//! the solid is beyond its plane, so the way to the plane leaves the solid wherever it ends.
+//! in the facet, the facet is no farther than its plane. If the facet supports the solid, no part
+//! of the solid is beyond its plane, so the way to the plane leaves the solid wherever it ends.
 //!
 //! Guarded by `tests/it/clash/cases.rs`.
 
@@ -27,8 +27,8 @@ pub(super) struct Facet {
     border: Vec<(Plane, [Vector; 2])>,
 }
 
-/// Share of the extent of a face that must be above the rounding errors, if its plane counts for the
-/// whole solid.
+/// Share of the extent of a face that must be above the rounding errors, if its plane counts for
+/// the whole solid.
 const STEADY: f64 = 1.0 / (1_u64 << 24) as f64;
 
 impl Facet {
@@ -81,8 +81,8 @@ impl Facet {
         Plane { height: self.plane.height + self.overhang + slack, ..self.plane }
     }
 
-    /// Returns the plane of the points that have equal ways out to two facets, or `None` if they are
-    /// about parallel.
+    /// Returns the plane of the points that have equal ways out to two facets, or `None` if they
+    /// are about parallel.
     pub(super) fn bisector(&self, other: &Self) -> Option<Plane> {
         let normal = sub(&self.plane.normal, &other.plane.normal);
         let size = length(&normal);
@@ -135,8 +135,8 @@ impl Facet {
     }
 }
 
-/// Returns how far a solid reaches beyond the plane of a face, given how far its mesh does in its own
-/// frame. `corners` are those of the face in the search.
+/// Returns how far a solid reaches beyond the plane of a face, given how far its mesh does in its
+/// own frame. `corners` are those of the face in the search.
 fn overhang(placed: &PlacedMesh<'_>, of_mesh: f64, (corners, slack): (&[Vector; 3], f64)) -> f64 {
     let [p, q, r] = corners;
     let longest = [sub(q, p), sub(r, q), sub(p, r)].iter().map(length).fold(0.0, f64::max);

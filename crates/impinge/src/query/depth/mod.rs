@@ -2,7 +2,7 @@
 //!
 //! `answer` has the interval of a depth. `cell` has the convex cells into which the common part is
 //! divided, `face` and `facet` the faces and flat parts of a solid near it, `side` the solid as a
-//! cell sees it, `piece` a cell with its faces, `divide` where
+//! cell sees it, `piece` a cell with its faces, `goal` the question, `divide` where
 //! cells are cut, and `search` the search. `solids` prepares both solids. `shapes` has the depth of
 //! things that are not meshes.
 
@@ -11,6 +11,7 @@ mod cell;
 mod divide;
 mod face;
 mod facet;
+mod goal;
 mod piece;
 mod search;
 mod shapes;
@@ -18,7 +19,7 @@ mod side;
 mod solids;
 
 pub use answer::Depth;
-use search::Goal;
+use goal::Goal;
 use solids::Solids;
 
 use super::Query;

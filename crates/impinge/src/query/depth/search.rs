@@ -16,45 +16,13 @@ use std::collections::BinaryHeap;
 
 use super::cell::{Cell, Plane};
 use super::divide::{BESIDE, Divider, area, middle};
-use super::face::{Face, gap};
+use super::face::gap;
+use super::goal::{Found, Goal};
 use super::piece::{Local, Piece};
 use super::side::Side;
 use crate::budget::Budget;
-use crate::math::vec3::{Vector, add, dot, scale, squared_distance, sub};
+use crate::math::vec3::{Vector, add, scale, squared_distance, sub};
 use crate::mesh::Containment;
-
-/// The points whose depth is searched, and how far.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Goal {
-    /// Depth above which the search stops, as soon as a point proves it. Without it the greatest
-    /// depth is searched.
-    pub(super) threshold: Option<f64>,
-    /// Whether the points outside the first solid are searched, in place of those inside.
-    pub(super) outside_first: bool,
-    /// The solids whose surfaces count: the depth is the greatest distance from one of them.
-    pub(super) measured: [bool; 2],
-    /// Relative width of the interval at which the search for the greatest depth stops.
-    pub(super) relative_width: f64,
-}
-
-/// The answer of a search.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
-    /// Depth that some point has at least, and that no point exceeds.
-    pub(super) lower: f64,
-    pub(super) upper: f64,
-    /// The point with the depth `lower`, in the frame of the search.
-    pub(super) point: Option<Vector>,
-    /// The search does not tell smaller depths from zero.
-    pub(super) resolution: f64,
-}
-
-impl Found {
-    /// Reports whether no point is deeper than the threshold, or than rounding.
-    pub(super) fn is_within(&self, threshold: f64) -> bool {
-        self.lower <= threshold && self.upper <= threshold.max(self.resolution)
-    }
-}
 
 /// Maximum number of cells of a search. It bounds the work for each pair to about a tenth of a
 /// second, or a second if faces by the thousand are near each other.
@@ -212,12 +180,12 @@ impl<'s, 'm> Search<'s, 'm> {
     /// Adds a cell, unless it is done. `parent` has the lists of a cell that holds it.
     fn push(&mut self, cell: Cell, parent: &[Local; 2], upper: f64) {
         self.count += 1;
-        let bounds = self.grown(&cell);
+        let bounds = cell.bounds_grown(self.slack);
         let mut local = [0, 1].map(|side| {
             let faces = &self.sides[side].faces;
             let reaches = |&&face: &&u32| {
                 let face = &faces[face as usize];
-                gap(&face.bounds, &bounds) <= 0.0 && self.reaches(face, &cell)
+                gap(&face.bounds, &bounds) <= 0.0 && face.reaches(&cell, self.slack)
             };
             let Local { is_inside, reach, .. } = parent[side];
             let touching = parent[side].touching.iter().filter(reaches).copied().collect();
@@ -250,28 +218,6 @@ impl<'s, 'm> Search<'s, 'm> {
             return;
         }
         self.heap.push(Piece { cell, local, upper, number: self.count });
-    }
-
-    /// Returns the box about a cell, grown by the slack.
-    fn grown(&self, cell: &Cell) -> [Vector; 2] {
-        let [low, high] = cell.bounds();
-        [low.map(|x| x - self.slack), high.map(|x| x + self.slack)]
-    }
-
-    /// Reports whether a face may reach a cell.
-    fn reaches(&self, face: &Face, cell: &Cell) -> bool {
-        if let Some(normal) = face.normal {
-            let level = dot(&normal, &face.corners[0]);
-            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            for corner in cell.corners() {
-                let height = dot(&normal, corner) - level;
-                (low, high) = (low.min(height), high.max(height));
-            }
-            if low > self.slack || high < -self.slack {
-                return false;
-            }
-        }
-        !cell.is_beside(&face.corners, self.slack) && !cell.clip(&face.corners, self.slack).is_empty()
     }
 
     /// Returns whether a cell that no face reaches is on the side of a solid that counts, or `None`
@@ -342,8 +288,8 @@ impl<'s, 'm> Search<'s, 'm> {
         thin.take(MAX_WAYS_OUT).any(|facet| {
             let outward = if self.is_bounded(side) { length } else { -length };
             let moved = cell.translated(&scale(&facet.plane.normal, outward));
-            let stays = parent.near.iter().any(|&face| self.reaches(&own.faces[face as usize], &moved));
-            !stays && self.side_of(side, &moved, &self.grown(&moved)) == Some(false)
+            let stays = parent.near.iter().any(|&face| own.faces[face as usize].reaches(&moved, self.slack));
+            !stays && self.side_of(side, &moved, &moved.bounds_grown(self.slack)) == Some(false)
         })
     }
 
@@ -408,13 +354,16 @@ impl<'s, 'm> Search<'s, 'm> {
         let Piece { cell, local, upper, .. } = piece;
         let target = self.target();
         let is_far = [0, 1].map(|side| self.goal.measured[side] && local[side].reach > target);
+        // The points of a cell around a face that are outside count, too, so the cell must be
+        // thinner than the depth is to be known.
+        let share = if self.goal.threshold.is_some() { 0.25 } else { 0.5 * self.goal.relative_width };
         let divider = Divider {
             sides: self.sides,
             measured: self.goal.measured,
             bounded: [0, 1].map(|side| self.is_bounded(side)),
             slack: self.slack,
             target,
-            half_thickness: (0.25 * target).max(4.0 * self.slack),
+            half_thickness: (share * target).max(4.0 * self.slack),
         };
         let planes = divider.planes(&cell, &local, is_far);
         let mut rest = vec![cell];

@@ -46,8 +46,8 @@ pub(super) struct Side<'m> {
     pub(super) facet_of: Vec<u32>,
     /// The flat parts that these faces make up.
     pub(super) facets: Vec<Facet>,
-    /// Boxes about the holes of an open mesh. A cell that no face and none of these boxes reaches is
-    /// on one side of the solid (docs/notes/proof.md, L19a).
+    /// Boxes about the holes of an open mesh. A cell that no face and none of these boxes reaches
+    /// is on one side of the solid (docs/notes/proof.md, L19a).
     holes: Vec<[Vector; 2]>,
 }
 
@@ -86,8 +86,8 @@ impl<'m> Side<'m> {
         self.facets.get(self.facet_of[face as usize] as usize).filter(|facet| facet.supports())
     }
 
-    /// Returns the facet with the least bound of the ways out of a cell, among those that support the
-    /// solid, and the corner of the cell from which the way is longest.
+    /// Returns the facet with the least bound of the ways out of a cell, among those that support
+    /// the solid, and the corner of the cell from which the way is longest.
     pub(super) fn nearest_way_out(&self, cell: &Cell, facets: &[u32]) -> Option<(&Facet, Vector)> {
         let supporting = facets.iter().map(|&facet| &self.facets[facet as usize]).filter(|facet| facet.supports());
         let (_, facet) =
@@ -101,8 +101,8 @@ impl<'m> Side<'m> {
         self.holes.iter().all(|hole| gap(hole, bounds) > 0.0)
     }
 
-    /// Returns how far a point is inside the solid, given the distance of the nearest face: less near
-    /// a hole, through which the solid ends without a face. There the distances of some points
+    /// Returns how far a point is inside the solid, given the distance of the nearest face: less
+    /// near a hole, through which the solid ends without a face. There the distances of some points
     /// outside are compared.
     pub(super) fn distance_from_outside(&self, point: &Vector, to_faces: f64) -> f64 {
         let ball = [point.map(|x| x - to_faces), point.map(|x| x + to_faces)];

@@ -2,7 +2,8 @@
 //! search.
 
 use super::face::{gap, world_box};
-use super::search::{Found, Goal, Search};
+use super::goal::{Found, Goal};
+use super::search::Search;
 use super::side::Side;
 use crate::budget::Budget;
 use crate::math::vec3::{Vector, add, scale, sub};

@@ -1,0 +1,36 @@
+//! The question and the answer of a search for a depth.
+
+use crate::math::vec3::Vector;
+
+/// The points whose depth is searched, and how far.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Goal {
+    /// Depth above which the search stops, as soon as a point proves it. Without it the greatest
+    /// depth is searched.
+    pub(super) threshold: Option<f64>,
+    /// Whether the points outside the first solid are searched, in place of those inside.
+    pub(super) outside_first: bool,
+    /// The solids whose surfaces count: the depth is the greatest distance from one of them.
+    pub(super) measured: [bool; 2],
+    /// Relative width of the interval at which the search for the greatest depth stops.
+    pub(super) relative_width: f64,
+}
+
+/// The answer of a search.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    /// Depth that some point has at least, and that no point exceeds.
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    /// The point with the depth `lower`, in the frame of the search.
+    pub(super) point: Option<Vector>,
+    /// The search does not tell smaller depths from zero.
+    pub(super) resolution: f64,
+}
+
+impl Found {
+    /// Reports whether no point is deeper than the threshold, or than rounding.
+    pub(super) fn is_within(&self, threshold: f64) -> bool {
+        self.lower <= threshold && self.upper <= threshold.max(self.resolution)
+    }
+}
