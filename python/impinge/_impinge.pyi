@@ -468,6 +468,7 @@ def robot_clearance(
     ignored: list[tuple[int, int]],
     progress: bool,
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.bool_]]: ...
+
 class ClashPage:
     def html(self) -> str: ...
 
