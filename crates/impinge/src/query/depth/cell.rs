@@ -82,9 +82,14 @@ impl Cell {
         Self { corners, planes: self.planes.iter().map(moved).collect() }
     }
 
+    /// Returns the planes that the cell has corners on: bit i is plane i.
+    fn used(&self) -> u128 {
+        self.corners.iter().fold(0, |used, corner| used | corner.on)
+    }
+
     /// Returns the planes that the cell has corners on.
     pub(super) fn planes(&self) -> impl Iterator<Item = &Plane> {
-        let used = self.corners.iter().fold(0, |used, corner| used | corner.on);
+        let used = self.used();
         self.planes.iter().enumerate().filter(move |(at, _)| used >> at & 1 == 1).map(|(_, plane)| plane)
     }
 
@@ -116,7 +121,7 @@ impl Cell {
     /// without corners off the plane by more than the slack is `None`. Returns `None` alone if the
     /// cell has too many planes or corners to be cut.
     pub(super) fn cut(&self, plane: &Plane, slack: f64) -> Option<[Option<Self>; 2]> {
-        let used = self.corners.iter().fold(0, |used, corner| used | corner.on);
+        let used = self.used();
         let bit = (!used).trailing_zeros() as usize;
         if bit >= Self::MAX_PLANES || self.corners.len() > Self::MAX_CORNERS {
             return None;
@@ -169,9 +174,37 @@ impl Cell {
     /// Returns the part of a triangle inside the cell, grown by a margin. It is empty if the
     /// triangle does not reach the grown cell.
     pub(super) fn clip(&self, triangle: &[Vector; 3], margin: f64) -> Vec<Vector> {
+        self.planes_across(triangle, margin).map_or_else(Vec::new, |across| self.clip_by(across, triangle, margin))
+    }
+
+    /// Reports whether a triangle reaches the cell, grown by a margin.
+    pub(super) fn meets(&self, triangle: &[Vector; 3], margin: f64) -> bool {
+        self.planes_across(triangle, margin)
+            .is_some_and(|across| across == 0 || !self.clip_by(across, triangle, margin).is_empty())
+    }
+
+    /// Returns the planes, moved outward by a margin, that divide a triangle: bit i is plane i.
+    /// Returns `None` if the triangle is beyond one of the planes.
+    fn planes_across(&self, triangle: &[Vector; 3], margin: f64) -> Option<u128> {
+        let used = self.used();
+        let mut across = 0;
+        for (at, plane) in self.planes.iter().enumerate().filter(|(at, _)| used >> at & 1 == 1) {
+            let beyond = triangle.each_ref().map(|corner| plane.beyond(corner) > margin);
+            if beyond == [true; 3] {
+                return None;
+            }
+            if beyond != [false; 3] {
+                across |= 1 << at;
+            }
+        }
+        Some(across)
+    }
+
+    /// Returns the part of a triangle inside some of the planes, moved outward by a margin.
+    fn clip_by(&self, planes: u128, triangle: &[Vector; 3], margin: f64) -> Vec<Vector> {
         let mut polygon = triangle.to_vec();
-        let (mut clipped, mut beyond) = (Vec::new(), Vec::new());
-        for plane in self.planes() {
+        let (mut clipped, mut beyond) = (Vec::with_capacity(8), Vec::with_capacity(8));
+        for (_, plane) in self.planes.iter().enumerate().filter(|(at, _)| planes >> at & 1 == 1) {
             beyond.clear();
             beyond.extend(polygon.iter().map(|point| plane.beyond(point) - margin));
             if beyond.iter().all(|&x| x <= 0.0) {
@@ -194,11 +227,6 @@ impl Cell {
             std::mem::swap(&mut polygon, &mut clipped);
         }
         polygon
-    }
-
-    /// Reports whether a triangle is beyond one of the planes by more than a margin.
-    pub(super) fn is_beside(&self, triangle: &[Vector; 3], margin: f64) -> bool {
-        self.planes().any(|plane| triangle.iter().all(|corner| plane.beyond(corner) > margin))
     }
 }
 

@@ -63,7 +63,7 @@ impl Face {
                 return false;
             }
         }
-        !cell.is_beside(&self.corners, slack) && !cell.clip(&self.corners, slack).is_empty()
+        cell.meets(&self.corners, slack)
     }
 
     /// Reports whether the foot of a point in the face's plane is in the face.

@@ -9,7 +9,7 @@
 use super::cell::{Cell, Plane};
 use super::face::{Face, joined, stretch, world_corners};
 use crate::math::vec3::{Vector, cross, dot, length, scale, sub};
-use crate::mesh::PlacedMesh;
+use crate::mesh::{FacetPlane, PlacedMesh};
 
 /// A flat part of the surface, in the frame of the search.
 pub(super) struct Facet {
@@ -133,6 +133,27 @@ impl Facet {
         };
         cell.planes().any(is_beyond)
     }
+}
+
+/// Maximum number of facets of a convex solid whose planes are compared with each vertex of
+/// another.
+const MAX_PLANES: usize = 64;
+
+/// Returns the planes between which a convex solid lies, and which it touches up to their overhang,
+/// in the frame of the search. Returns `None` unless the mesh is closed and has few facets, and
+/// each of them supports the solid.
+pub(super) fn planes_of_convex(placed: &PlacedMesh<'_>, (origin, slack): (&Vector, f64)) -> Option<Vec<(Plane, f64)>> {
+    let planes = &placed.mesh.facets().planes;
+    if planes.len() > MAX_PLANES || !placed.mesh.is_closed() {
+        return None;
+    }
+    let plane = |of_mesh: &FacetPlane| {
+        let corners = world_corners(placed, of_mesh.face, origin);
+        let normal = Face::new(corners).normal?;
+        let overhang = overhang(placed, of_mesh.overhang, (&corners, slack));
+        overhang.is_finite().then(|| (Plane { normal, height: dot(&normal, &corners[0]) }, overhang))
+    };
+    planes.iter().map(plane).collect()
 }
 
 /// Returns how far a solid reaches beyond the plane of a face, given how far its mesh does in its

@@ -204,7 +204,8 @@ impl Query<'_> {
     }
 
     /// Reports whether a solid is proved to lie inside another, up to a tolerance: no point of
-    /// `inner` is farther than the tolerance outside of `outer`. Only meshes are compared.
+    /// `inner` is farther than the tolerance outside of `outer`. Both must have common material.
+    /// Only meshes are compared.
     pub(crate) fn is_inside(&self, inner: &Placed<'_>, outer: &Placed<'_>, tolerance: f64) -> bool {
         let Some([outer, inner]) = meshes(outer, inner) else { return false };
         let goal = Goal {
@@ -213,8 +214,10 @@ impl Query<'_> {
             measured: [true, false],
             relative_width: RELATIVE_WIDTH,
         };
-        Solids::new(outer, inner, false)
-            .filter(|solids| solids.first_box_holds_second(tolerance))
-            .is_some_and(|solids| solids.search(goal, self.options.budget).is_within(tolerance))
+        let Some(solids) = Solids::new(outer, inner, false) else { return false };
+        solids.first_box_holds_second(tolerance)
+            && solids
+                .convex_holds_second(tolerance)
+                .unwrap_or_else(|| solids.search(goal, self.options.budget).is_within(tolerance))
     }
 }

@@ -35,6 +35,9 @@ const MAX_LIMITS: usize = 24;
 /// of at least 8 degrees and counts as in the facet.
 const BESIDE_CORNER: f64 = 128.0;
 
+/// Distance from a face at which a point in a cell is tried, in units of the slack.
+const OFF_FACE: f64 = 4.0;
+
 /// Share of the way to the center by which a corner of a cell is moved into it.
 const INWARD: f64 = 1.0 / 4096.0;
 
@@ -293,23 +296,22 @@ impl<'s, 'm> Search<'s, 'm> {
         })
     }
 
-    /// Tries some points of a cell as the deepest: its center, the middle of the largest part of a
-    /// face in it, and the corner with the longest way out.
+    /// Tries some points of a cell as the deepest: its center, the point behind the middle of the
+    /// largest part of a face in it, and the corner with the longest way out.
     fn try_points(&mut self, piece: &Piece) {
         let center = piece.cell.center();
         self.try_point(piece, center);
         for side in 0..2 {
-            let faces = &self.sides[side].faces;
-            let largest = piece.local[side]
-                .touching
-                .iter()
-                .take(MAX_CLIPPED)
-                .map(|&face| piece.cell.clip(&faces[face as usize].corners, 0.0))
-                .filter(|polygon| !polygon.is_empty())
-                .max_by(|a, b| area(a).total_cmp(&area(b)));
-            if let Some(polygon) = largest {
+            let faces =
+                piece.local[side].touching.iter().take(MAX_CLIPPED).map(|&face| &self.sides[side].faces[face as usize]);
+            let clipped = faces.map(|face| (face.normal, piece.cell.clip(&face.corners, 0.0)));
+            let largest = clipped.max_by(|a, b| area(&a.1).total_cmp(&area(&b.1)));
+            if let Some((Some(normal), polygon)) = largest.filter(|(_, polygon)| !polygon.is_empty()) {
                 let sum = polygon.iter().fold([0.0; 3], |sum, point| add(&sum, point));
-                self.try_point(piece, scale(&sum, 1.0 / polygon.len() as f64));
+                // Rounding may put a point of a face on its wrong side.
+                let inward = if self.is_bounded(side) { -OFF_FACE * self.slack } else { OFF_FACE * self.slack };
+                let middle = scale(&sum, 1.0 / polygon.len() as f64);
+                self.try_point(piece, add(&middle, &scale(&normal, inward)));
             }
             if self.goal.measured[side]
                 && self.is_bounded(side)

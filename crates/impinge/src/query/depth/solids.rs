@@ -1,7 +1,8 @@
 //! Both solids of a depth query: their boxes in the world, and the frame and the precision of the
 //! search.
 
-use super::face::{gap, world_box};
+use super::face::{gap, world_box, world_corners};
+use super::facet::planes_of_convex;
 use super::goal::{Found, Goal};
 use super::search::Search;
 use super::side::Side;
@@ -50,6 +51,29 @@ impl<'m> Solids<'m> {
     pub(super) fn first_box_holds_second(&self, margin: f64) -> bool {
         let [[low, high], [inner_low, inner_high]] = &self.boxes;
         (0..3).all(|axis| inner_low[axis] >= low[axis] - margin && inner_high[axis] <= high[axis] + margin)
+    }
+
+    /// Reports whether the first solid, if it is convex and has common material with the second,
+    /// holds the second up to a tolerance. Returns `None` if the vertices do not tell.
+    pub(super) fn convex_holds_second(&self, tolerance: f64) -> Option<bool> {
+        let [outer, inner] = &self.placed;
+        let [low, high] = self.boxes[1];
+        let origin: Vector = std::array::from_fn(|axis| 0.5 * low[axis] + 0.5 * high[axis]);
+        let slack = self.slack(&origin);
+        let planes = planes_of_convex(outer, (&origin, slack))?;
+        let (mut is_held, mut overhang) = (true, 0.0_f64);
+        for (plane, beyond_plane) in &planes {
+            overhang = overhang.max(*beyond_plane);
+            for face in 0..inner.mesh.faces().len() as u32 {
+                let corners = world_corners(inner, face, &origin);
+                let beyond = corners.iter().map(|corner| plane.beyond(corner)).fold(f64::NEG_INFINITY, f64::max);
+                if beyond > tolerance + beyond_plane + slack {
+                    return Some(false);
+                }
+                is_held &= beyond <= 4.0 * slack;
+            }
+        }
+        (is_held && overhang + 64.0 * slack <= tolerance).then_some(true)
     }
 
     /// Returns the part of space that the goal is about: the common part of both boxes, or the box

@@ -174,6 +174,18 @@ fn cases() -> Vec<Case> {
             tolerance: 0.005,
             ..case("plate in a step", Surface::step(), block([0.2, 0.3, 0.999], [2.5, 0.7, 1.001]), Clash(0.5))
         },
+        case(
+            "block flush in a block",
+            block([0.0; 3], [1.0; 3]),
+            block([0.25, 0.25, 0.0], [0.75, 0.75, 0.5]),
+            Contained,
+        ),
+        case(
+            "block that stands out of a block",
+            block([0.0; 3], [1.0; 3]),
+            block([0.25, 0.25, -0.001], [0.75, 0.75, 0.5]),
+            Clash(0.5),
+        ),
         // The window alone has the wall on all sides.
         case("window in a wall", wall(), window(), Contained),
         case("hooked", hook([0.0; 3], false), hook([0.45, 0.45, -0.45], true), Clear),
