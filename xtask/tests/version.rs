@@ -16,7 +16,7 @@ fn every_file_has_the_version_of_the_workspace() {
     let version = manifest["workspace"]["package"]["version"].as_str().unwrap();
 
     let published = manifest["workspace"]["dependencies"].as_table().unwrap();
-    assert_eq!(published.len(), 3);
+    assert_eq!(published.len(), 4);
     for (name, dependency) in published {
         assert_eq!(dependency["version"].as_str(), Some(version), "{name} in Cargo.toml");
     }
