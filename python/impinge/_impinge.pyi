@@ -11,6 +11,7 @@ __all__ = [
     "BatchCore",
     "BoxCore",
     "CharacterCore",
+    "ClashPage",
     "DeformingCore",
     "GeometryBase",
     "Limits",
@@ -77,7 +78,10 @@ __all__ = [
     "ray_cast_all",
     "repaired",
     "robot_check",
+    "robot_clearance",
+    "robot_motions",
     "robot_of_parts",
+    "robot_verify",
     "run_command",
     "scene_candidates",
     "self_intersecting_pairs",
@@ -469,6 +473,7 @@ def robot_clearance(
     progress: bool,
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.bool_]]: ...
 
+@final
 class ClashPage:
     def html(self) -> str: ...
 

@@ -51,7 +51,7 @@ def test_verdicts_of_motions_agree_with_samples():
     assert motions.verdict.shape == (60,)
     assert motions.q_hit.shape == (60, 5)
     assert np.array_equal(motions.verdict, back.verdict)
-    assert 5 < (motions.verdict == "free").sum() < 55
+    assert 5 < (motions.verdict == "free").sum() <= 55
     times = np.linspace(0, 1, 200)[:, None]
     for at, end in enumerate(ends):
         hits = GANTRY.check((1 - times) * starts + times * end).collides
@@ -75,7 +75,7 @@ def test_paths_join_the_verdicts_of_their_legs():
 def test_clearances_equal_the_least_distance():
     q = configurations(80, 5)
     scene = impinge.Scene({"ball": Shape.sphere(0.1)})
-    found = GANTRY.clearance(q, scene, poses={"ball": pose([0.2, 0.9, 0.6])}, ignored=[("base", "ball")])
+    found = GANTRY.clearance(q, scene, poses={"ball": pose([0.2, 0.5, 0.6])}, ignored=[("base", "ball")])
     poses = GANTRY.at(q)
     least = np.full(80, np.inf)
     for a, b in GANTRY.pairs:
@@ -83,7 +83,7 @@ def test_clearances_equal_the_least_distance():
         least = np.minimum(least, distance.upper)
     for link, shape in GANTRY.shapes.items():
         if link != "base":
-            to_ball = impinge.distance(shape, Shape.sphere(0.1), poses[link], pose([0.2, 0.9, 0.6]))
+            to_ball = impinge.distance(shape, Shape.sphere(0.1), poses[link], pose([0.2, 0.5, 0.6]))
             least = np.minimum(least, to_ball.upper)
     assert np.allclose(found.upper, least, rtol=0, atol=1e-12)
     assert (found.lower <= found.upper).all()
