@@ -2,6 +2,7 @@
 
 mod cases;
 mod models;
+mod open;
 mod reports;
 mod rules;
 mod statuses;
