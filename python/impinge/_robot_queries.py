@@ -46,12 +46,12 @@ class RobotQueries:
 
     @property
     def lower(self) -> NDArray[np.float64]:
-        """Lower limit of each coordinate, in radians or meters; -inf if there is none."""
+        """Lower limit of each coordinate, in radians or meters; -inf for no limit."""
         return np.array([lower for _, lower, _ in self._core.coordinates()])
 
     @property
     def upper(self) -> NDArray[np.float64]:
-        """Upper limit of each coordinate, in radians or meters; inf if there is none."""
+        """Upper limit of each coordinate, in radians or meters; inf for no limit."""
         return np.array([upper for _, _, upper in self._core.coordinates()])
 
     def check(

@@ -118,16 +118,15 @@ pub(super) fn classify(a: &Placed<'_>, b: &Placed<'_>, asked: &Asked, budget: &B
         return apart(a, b, asked, budget);
     }
     let tolerance = asked.tolerance;
-    // Most pairs are flush, and a point deeper than a small threshold often is deeper than the
-    // tolerance, too.
+    // Most pairs are flush. For them a small threshold decides the tolerance, too, and is the
+    // depth.
     let slight = query().material_beyond(a, b, SLIGHT * tolerance);
     let is_told = slight.lower > tolerance || slight.upper <= tolerance;
     let verdict = if is_told { slight } else { query().material_beyond(a, b, tolerance) };
     let found = |kind| Finding { kind, depth: None, gap: None, point: verdict.point, proved: true, why: None };
     if verdict.upper <= tolerance {
         let depth = if is_told { slight } else { contact(a, b, (slight, verdict), budget) };
-        let proved = verdict.is_proved;
-        let why = unproved(&verdict);
+        let (proved, why) = (verdict.is_proved, unproved(&verdict));
         return Finding { point: depth.point, depth: Some(depth), proved, why, ..found(Kind::Contact) };
     }
     if verdict.lower <= tolerance {

@@ -14,10 +14,6 @@ const MANY_FACETS: usize = 12;
 /// Difference of two ways out, relative to the target, up to which they count as equal.
 const EVEN: f64 = 1.0 / 4096.0;
 
-/// Distance beside a facet up to which a point counts as over it, in units of the slack. Cells
-/// reach this far beyond the solids.
-pub(super) const BESIDE: f64 = 8.0;
-
 /// Lengths and solids on which the cuts depend.
 pub(super) struct Divider<'s, 'm> {
     pub(super) sides: &'s [Side<'m>; 2],
@@ -107,9 +103,7 @@ impl Divider<'_, '_> {
     fn edge_of_thin_cell(&self, cell: &Cell, side: usize, local: &Local) -> Option<Plane> {
         let target = self.target;
         let facets = local.facets.iter().map(|&facet| &self.sides[side].facets[facet as usize]);
-        facets
-            .filter(|facet| facet.height(cell) <= target)
-            .find_map(|facet| facet.edge_below(cell, BESIDE * self.slack))
+        facets.filter(|facet| facet.height(cell) <= target).find_map(|facet| facet.edge_below(cell, self.slack))
     }
 
     /// Returns the plane across the middle of a cell that leaves the fewest faces in both halves.

@@ -2,14 +2,14 @@
 
 use super::cell::{Cell, Plane};
 use crate::math::Pose;
-use crate::math::vec3::{Vector, add, cross, dot, sub, unit};
+use crate::math::vec3::{Vector, add, cross, dot, scale, sub, unit};
 use crate::mesh::PlacedMesh;
 use crate::primitive::PreparedTriangle;
 
 /// A face in the frame of the search.
 pub(super) struct Face {
     pub(super) corners: [Vector; 3],
-    /// Unit normal, or `None` if the face has no area.
+    /// Unit normal at the front, or `None` if the face has no area.
     pub(super) normal: Option<Vector>,
     pub(super) bounds: [Vector; 2],
     /// The planes through the edges, at right angles to the face, with the face inside.
@@ -18,16 +18,19 @@ pub(super) struct Face {
 }
 
 impl Face {
-    pub(super) fn new(corners: [Vector; 3]) -> Self {
-        let normal = unit(&cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0])));
+    /// Returns the face with these corners. `is_mirrored` tells that the pose of the mesh mirrors:
+    /// the corners are then in clockwise order, seen from the front.
+    pub(super) fn new(corners: [Vector; 3], is_mirrored: bool) -> Self {
+        let turn = unit(&cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0])));
         let bounds = [f64::min, f64::max].map(|choose: fn(f64, f64) -> f64| {
             std::array::from_fn(|axis| choose(choose(corners[0][axis], corners[1][axis]), corners[2][axis]))
         });
         let edges = std::array::from_fn(|edge| {
             let (from, to) = (corners[edge], corners[(edge + 1) % 3]);
-            let across = unit(&cross(&sub(&to, &from), &normal?))?;
+            let across = unit(&cross(&sub(&to, &from), &turn?))?;
             Some(Plane { normal: across, height: dot(&across, &from) })
         });
+        let normal = if is_mirrored { turn.map(|turn| scale(&turn, -1.0)) } else { turn };
         Self { corners, normal, bounds, edges, prepared: PreparedTriangle::new(&corners) }
     }
 
@@ -81,6 +84,11 @@ pub(super) fn gap(a: &[Vector; 2], b: &[Vector; 2]) -> f64 {
 /// Returns the corners of a face in the world, less the origin.
 pub(super) fn world_corners(placed: &PlacedMesh<'_>, face: u32, origin: &Vector) -> [Vector; 3] {
     placed.mesh.corners(face).map(|corner| sub(&placed.world_from_mesh.apply(corner), origin))
+}
+
+/// Returns a face of a mesh in the frame of the search.
+pub(super) fn world_face(placed: &PlacedMesh<'_>, face: u32, origin: &Vector) -> Face {
+    Face::new(world_corners(placed, face, origin), placed.world_from_mesh.mirrors())
 }
 
 /// Returns a box of the search that holds a box of the mesh, given by center and half-extents.

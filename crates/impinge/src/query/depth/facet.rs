@@ -7,7 +7,7 @@
 //! Guarded by `tests/it/clash/cases.rs`.
 
 use super::cell::{Cell, Plane};
-use super::face::{Face, joined, stretch, world_corners};
+use super::face::{Face, joined, stretch, world_face};
 use crate::math::vec3::{Vector, cross, dot, length, scale, sub};
 use crate::mesh::{FacetPlane, PlacedMesh};
 
@@ -42,9 +42,7 @@ impl Facet {
     ) -> Option<Self> {
         let facets = placed.mesh.facets();
         let of_mesh = &facets.planes[facets.parts.of_face[faces.first()?.0 as usize] as usize];
-        let corners = world_corners(placed, of_mesh.face, origin);
-        let base = Face::new(corners);
-        let plane = Plane { normal: base.normal?, height: dot(&base.normal?, &corners[0]) };
+        let (plane, overhang) = plane_of(placed, of_mesh, (origin, slack))?;
         let mut bounds = faces.first()?.1.bounds;
         let (mut flatness, mut border) = (0.0_f64, Vec::new());
         for (number, face) in faces {
@@ -56,7 +54,6 @@ impl Facet {
             }
         }
         let faces = (first..first + faces.len() as u32).collect();
-        let overhang = overhang(placed, of_mesh.overhang, (&corners, slack));
         Some(Self { plane, flatness, overhang, bounds, faces, border })
     }
 
@@ -147,13 +144,16 @@ pub(super) fn planes_of_convex(placed: &PlacedMesh<'_>, (origin, slack): (&Vecto
     if planes.len() > MAX_PLANES || !placed.mesh.is_closed() {
         return None;
     }
-    let plane = |of_mesh: &FacetPlane| {
-        let corners = world_corners(placed, of_mesh.face, origin);
-        let normal = Face::new(corners).normal?;
-        let overhang = overhang(placed, of_mesh.overhang, (&corners, slack));
-        overhang.is_finite().then(|| (Plane { normal, height: dot(&normal, &corners[0]) }, overhang))
-    };
-    planes.iter().map(plane).collect()
+    let supporting = |of_mesh| plane_of(placed, of_mesh, (origin, slack)).filter(|(_, overhang)| overhang.is_finite());
+    planes.iter().map(supporting).collect()
+}
+
+/// Returns the plane of a facet in the frame of the search, and how far the solid reaches beyond
+/// it. A facet without area has none.
+fn plane_of(placed: &PlacedMesh<'_>, facet: &FacetPlane, (origin, slack): (&Vector, f64)) -> Option<(Plane, f64)> {
+    let face = world_face(placed, facet.face, origin);
+    let plane = Plane { normal: face.normal?, height: dot(&face.normal?, &face.corners[0]) };
+    Some((plane, overhang(placed, facet.overhang, (&face.corners, slack))))
 }
 
 /// Returns how far a solid reaches beyond the plane of a face, given how far its mesh does in its

@@ -1,6 +1,8 @@
 //! Best-first search for the deepest common point of two solids.
 //!
-//! The common part of both boxes is one cell at first. A cell is divided by the planes of faces,
+//! The common part of both boxes is one cell at first, less what is beyond facets that support a
+//! solid. Such facets bound the distance of all points of the solid from its surface, and a cell is
+//! divided where two of them bound it alike. Otherwise a cell is divided by the planes of faces,
 //! until none of a solid's faces reaches it: then the cell lies wholly inside or wholly outside the
 //! solid. Around the plane of a face, a cell as thin as the search allows is cut out: all of its
 //! points over the face are near the surface, whatever is inside. A cell is done if it lies outside
@@ -15,7 +17,7 @@
 use std::collections::BinaryHeap;
 
 use super::cell::{Cell, Plane};
-use super::divide::{BESIDE, Divider, area, middle};
+use super::divide::{Divider, area, middle};
 use super::face::gap;
 use super::goal::{Found, Goal};
 use super::piece::{Local, Piece};
@@ -30,10 +32,6 @@ const MAX_CELLS: usize = 1 << 14;
 
 /// Maximum number of planes of facets by which the first cell is cut.
 const MAX_LIMITS: usize = 24;
-
-/// Distance from a facet, in its plane and in units of the slack, of a foot that is beside a corner
-/// of at least 8 degrees and counts as in the facet.
-const BESIDE_CORNER: f64 = 128.0;
 
 /// Distance from a face at which a point in a cell is tried, in units of the slack.
 const OFF_FACE: f64 = 4.0;
@@ -259,8 +257,8 @@ impl<'s, 'm> Search<'s, 'm> {
             best = facets().map(|facet| facet.longest_way_out(cell)).fold(best, f64::min);
         }
         for facet in facets() {
-            let height = facet.height(cell) + BESIDE_CORNER * self.slack;
-            if height < best && own.is_over(facet, cell, BESIDE * self.slack) {
+            let height = facet.height(cell);
+            if height < best && own.is_over(facet, cell, self.slack) {
                 best = height;
             }
         }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow::{self, Continue};
 
 use super::cell::Cell;
-use super::face::{Face, gap, world_box, world_corners};
+use super::face::{Face, gap, world_box, world_face};
 use super::facet::Facet;
 use crate::exact::{Placement, PosedPoint, Spot};
 use crate::math::Pose;
@@ -176,7 +176,7 @@ impl FaceSearch for Near<'_, '_> {
     }
 
     fn visit(&mut self, face: u32) -> ControlFlow<()> {
-        let found = Face::new(world_corners(self.placed, face, &self.origin));
+        let found = world_face(self.placed, face, &self.origin);
         if gap(&found.bounds, self.bounds) <= self.margin {
             self.found.push((face, found));
         }

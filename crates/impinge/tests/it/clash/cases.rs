@@ -1,6 +1,6 @@
 //! Sixteen small clashes with known answers, and further ones, each in many variants: mirrored,
-//! swapped, turned, far from the origin, in other units, in single precision, and with the faces in
-//! another order.
+//! swapped, turned, far from the origin, in other units, in single precision, inside out, and with
+//! the faces in another order.
 
 use impinge::clash::{Kind, Options, find};
 use impinge::query::batch::Execution;
@@ -198,6 +198,10 @@ fn cases() -> Vec<Case> {
 #[derive(Clone, Copy, Debug, Default)]
 struct Variant {
     mirrored: bool,
+    /// Whether the pose mirrors, and not the vertices.
+    mirrored_by_pose: bool,
+    /// Whether the faces are clockwise, seen from outside.
+    inside_out: bool,
     swapped: bool,
     turned: bool,
     far: bool,
@@ -212,6 +216,8 @@ fn variants() -> Vec<Variant> {
     vec![
         plain,
         Variant { mirrored: true, ..plain },
+        Variant { mirrored_by_pose: true, ..plain },
+        Variant { inside_out: true, ..plain },
         Variant { swapped: true, ..plain },
         Variant { turned: true, ..plain },
         Variant { far: true, ..plain },
@@ -229,7 +235,7 @@ impl Variant {
         let place = |[x, y, z]: [f64; 3]| [if self.mirrored { -x } else { x }, y, z].map(|c| c * unit);
         let vertices: Vec<[f64; 3]> = surface.vertices.iter().map(|&vertex| place(vertex)).collect();
         let mut faces = surface.faces.clone();
-        if self.mirrored {
+        if self.mirrored != self.inside_out {
             faces.iter_mut().for_each(|face| face.swap(1, 2));
         }
         if self.reversed {
@@ -246,8 +252,16 @@ impl Variant {
     fn pose(&self) -> Pose {
         let translation = if self.far { [1e6, -1e6, 1e6] } else { [0.0; 3] };
         let quaternion = if self.turned { [0.5, 0.1, -0.7, 0.5] } else { [1.0, 0.0, 0.0, 0.0] };
-        Pose::from_quaternion_wxyz(translation, quaternion).unwrap()
+        let pose = Pose::from_quaternion_wxyz(translation, quaternion).unwrap();
+        if self.mirrored_by_pose { (pose * mirror()).unwrap() } else { pose }
     }
+}
+
+/// Returns the reflection in the plane across the first axis.
+fn mirror() -> Pose {
+    let mut linear = *Pose::IDENTITY.linear();
+    linear[0][0] = -1.0;
+    Pose::new(linear, [0.0; 3]).unwrap()
 }
 
 /// Returns the kind of a pair, and its depth or gap in meters as an interval.
@@ -306,7 +320,7 @@ fn small_cases_have_their_kinds_in_all_variants() {
             checked += 1;
         }
     }
-    assert_eq!(checked, 260);
+    assert_eq!(checked, 312);
 }
 
 #[test]
