@@ -1,5 +1,11 @@
 /** Reads the data of the page and shows it. */
-import "./style.css";
+import "./style/base.css";
+import "./style/frame.css";
+import "./style/list.css";
+import "./style/marks.css";
+import "./style/view.css";
+import "./style/details.css";
+import "./style/help.css";
 import { followAddress } from "./address";
 import { commands, listenToKeys } from "./commands";
 import { Lengths } from "./data/length";

@@ -118,8 +118,7 @@ pub(super) fn classify(a: &Placed<'_>, b: &Placed<'_>, asked: &Asked, budget: &B
         return apart(a, b, asked, budget);
     }
     let tolerance = asked.tolerance;
-    // Most pairs are flush. For them a small threshold decides the tolerance, too, and is the
-    // depth.
+    // Most pairs are flush: one search with a small threshold decides them and bounds their depth.
     let slight = query().material_beyond(a, b, SLIGHT * tolerance);
     let is_told = slight.lower > tolerance || slight.upper <= tolerance;
     let verdict = if is_told { slight } else { query().material_beyond(a, b, tolerance) };
