@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from impinge import _impinge
 from impinge._clash_report import ClashReport
+from impinge._engine import engine
 from impinge._errors import InputError
 from impinge._mesh import Mesh
 from impinge._scalars import flag, path_of, real
 from impinge._scene import Scene
+
+if TYPE_CHECKING:
+    from impinge.cluster import Cluster
 
 _LABEL = "scene"
 """Label of a scene that has none."""
@@ -26,7 +29,9 @@ def clash(
     rules: str | os.PathLike[str] | None = None,
     previous: ClashReport | str | os.PathLike[str] | None = None,
     contacts: bool = False,
+    volume: bool = False,
     progress: bool = False,
+    on: Cluster | None = None,
 ) -> ClashReport:
     """Find the parts of scenes that run into each other, and how deep.
 
@@ -56,9 +61,14 @@ def clash(
         it, and `ClashReport.gone` lists what is gone.
     contacts : bool
         Whether pairs that touch are listed, too.
+    volume : bool
+        Whether to compute the volume of the material that two parts share.
     progress : bool
         Whether to show the number of finished pairs in one line of stderr during the call. The
         pairs are searched a second time for it.
+    on : impinge.cluster.Cluster, optional
+        Cluster on which the pairs are compared; by default the threads of this process. The report
+        is the same, byte for byte.
 
     Returns
     -------
@@ -91,11 +101,11 @@ def clash(
     [('clash', 'floor', 'roof')]
     """
     labeled = _labeled(scenes)
-    answer = _impinge.clash(
+    answer = engine(on).clash(
         [(label, _parts(scene), list(scene._ignored_places())) for label, scene in labeled.items()],
         _unit(labeled),
         (_length(tolerance, "tolerance"), _length(clearance, "clearance")),
-        (flag(between, "between"), flag(contacts, "contacts")),
+        (flag(between, "between"), flag(contacts, "contacts"), flag(volume, "volume")),
         (_rules(rules), [previous.to_json()] if isinstance(previous, ClashReport) else _path(previous, "previous")),
         progress,
     )

@@ -60,8 +60,14 @@ class Clash:
         Lower and upper bound of the depth; the upper one is infinite if it is not known.
     gap : (float, float) or None
         Lower and upper bound of the gap of a pair within the clearance.
+    volume : (float, float) or None
+        Lower and upper bound of the volume of the common material, if it was asked for.
     point : (float, float, float) or None
         Point that shows where the parts meet, in the world frame.
+    normal : (float, float, float) or None
+        Direction of length 1 in which `b` leaves `a` near the point, or faces it across the gap.
+    faces : (int, int) or None
+        The nearest faces of `a` and `b` to the point, if both are meshes.
     box : pair of (float, float, float) or None
         Lower and upper corner of the box where the boxes of the parts overlap, or of the box
         between them.
@@ -87,7 +93,10 @@ class Clash:
     b: ClashPart
     depth: tuple[float, float] | None
     gap: tuple[float, float] | None
+    volume: tuple[float, float] | None
     point: tuple[float, float, float] | None
+    normal: tuple[float, float, float] | None
+    faces: tuple[int, int] | None
     box: tuple[tuple[float, float, float], tuple[float, float, float]] | None
     status: str
     proved: bool
@@ -369,8 +378,8 @@ def _clash(row: dict[str, Any], sentence: str) -> Clash:
     fields: dict[str, Any] = {of: row[of] for of in ("id", "kind", "status", "proved")}
     fields |= {of: row.get(of) for of in ("why", "inner", "rule", "severity", "note", "accepted")}
     fields |= {of: _part(row[of]) for of in ("a", "b")}
-    fields |= {of: _interval(row.get(of)) for of in ("depth", "gap")}
-    fields["point"] = tuple(row["point"]) if "point" in row else None
+    fields |= {of: _interval(row.get(of)) for of in ("depth", "gap", "volume")}
+    fields |= {of: tuple(row[of]) if of in row else None for of in ("point", "normal", "faces")}
     fields["box"] = tuple(map(tuple, row["box"])) if "box" in row else None
     return Clash(sentence=sentence, **fields)
 

@@ -481,9 +481,27 @@ def clash(
     scenes: list[tuple[str, list[Any], list[tuple[int, int]]]],
     unit: str | None,
     lengths: tuple[float | str | None, float | str | None],
-    flags: tuple[bool, bool],
+    flags: tuple[bool, bool, bool],
     files: tuple[list[str] | str | None, list[str] | str | None],
     progress: bool,
+) -> dict[str, Any]: ...
+def clash_candidates(
+    scenes: list[tuple[str, list[Any], list[tuple[int, int]]]],
+    unit: str | None,
+    lengths: tuple[float | str | None, float | str | None],
+    flags: tuple[bool, bool, bool],
+    files: tuple[list[str] | str | None, list[str] | str | None],
+) -> tuple[NDArray[np.uint32], NDArray[np.float64], NDArray[np.float64]]: ...
+def clash_pairs(
+    parts: list[tuple[Any, Any]], pairs: NDArray[np.uint32], asked: NDArray[np.float64], listed: tuple[bool, bool]
+) -> NDArray[np.float64]: ...
+def clash_report(
+    scenes: list[tuple[str, list[Any], list[tuple[int, int]]]],
+    unit: str | None,
+    lengths: tuple[float | str | None, float | str | None],
+    flags: tuple[bool, bool, bool],
+    files: tuple[list[str] | str | None, list[str] | str | None],
+    findings: NDArray[np.float64],
 ) -> dict[str, Any]: ...
 def check_scene(
     parts: list[tuple[str, Any, bool, Any]],

@@ -49,6 +49,24 @@ POSES = {
 }
 
 
+def test_clashes_have_the_bytes_of_a_local_call(cluster):
+    rng = np.random.default_rng(3)
+    kinds = [CUBE, TORUS, impinge.Shape.sphere(0.75), impinge.Mesh(CUBE.vertices, CUBE.faces[1:])]
+    parts = {f"part {at}": kinds[at % 4] for at in range(60)}
+    poses = {name: impinge.pose(place) for name, place in zip(parts, rng.integers(-6, 7, (60, 3)) / 2, strict=True)}
+    rooms = {"a": impinge.Scene(parts, poses=poses, ignored=[("part 0", "part 1")]), "b": impinge.Scene(parts)}
+    rules = 'tolerance = 0.25\n[[rule]]\na = "*"\nb = "*"\nclearance = 0.5\n'
+    for options in ({"tolerance": 0.01, "contacts": True, "volume": True}, {"clearance": 0.5, "between": True}, {"rules": rules}):
+        local = impinge.clash(rooms, **options)
+        shared = impinge.clash(rooms, on=cluster, **options)
+        assert shared.to_json() == local.to_json()
+        assert shared.to_csv() == local.to_csv()
+        assert len(local) > 50
+        assert cluster.work.tasks > 3
+    kinds = {each.kind for each in impinge.clash(rooms, tolerance=0.01, clearance=0.5, contacts=True)}
+    assert kinds >= {"clash", "contact", "clearance", "contained"}
+
+
 @pytest.mark.parametrize("poses", POSES.values(), ids=POSES)
 @pytest.mark.parametrize("verb", VERBS.values(), ids=VERBS)
 def test_every_verb_has_the_bytes_of_a_local_call(cluster, verb, poses):

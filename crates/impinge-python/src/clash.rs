@@ -26,11 +26,11 @@ use crate::workers::{self, Call};
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// A part as Python passes it: its name, its mesh or shape, its pose, and its key, type and path.
-type Part<'py> = (String, Bound<'py, PyAny>, Bound<'py, PyAny>, (String, String, Vec<String>));
+pub(crate) type Part<'py> = (String, Bound<'py, PyAny>, Bound<'py, PyAny>, (String, String, Vec<String>));
 
 /// A scene as Python passes it: its label, its parts, and pairs of indices of parts that are
 /// ignored.
-type Labeled<'py> = (String, Vec<Part<'py>>, Vec<(usize, usize)>);
+pub(crate) type Labeled<'py> = (String, Vec<Part<'py>>, Vec<(usize, usize)>);
 
 /// A length as Python passes it: in the unit of the scenes, or a text that may have a unit.
 #[derive(FromPyObject)]
@@ -48,9 +48,19 @@ pub(crate) enum Source {
     Content([String; 1]),
 }
 
+/// The tolerance and the clearance.
+pub(crate) type Lengths = (Option<LengthOption>, Option<LengthOption>);
+
+/// Whether only parts of different scenes are compared, whether contacts are listed, and whether
+/// volumes are computed.
+pub(crate) type Flags = (bool, bool, bool);
+
+/// The rules and the previous report.
+pub(crate) type Files = (Option<Source>, Option<Source>);
+
 /// A question about some scenes.
-struct Search {
-    scenes: Vec<(String, Scene)>,
+pub(crate) struct Search {
+    pub(crate) scenes: Vec<(String, Scene)>,
     unit: Option<Unit>,
     tolerance: Option<f64>,
     /// The question. Its tolerance is that of the option or of the rules, if there is one.
@@ -61,7 +71,7 @@ struct Search {
 
 /// The answer, as Python keeps it.
 #[derive(IntoPyObject)]
-struct Found {
+pub(crate) struct Found {
     json: String,
     csv: String,
     /// Number of pairs of each kind.
@@ -98,45 +108,19 @@ impl ClashPage {
 /// A group: the names that its clashes share, the indices of the clashes, and a sentence.
 type GroupRow = (Vec<String>, Vec<usize>, String);
 
-/// Finds the clashes of some scenes. `lengths` are the tolerance and the clearance, and `flags` say
-/// whether only parts of different scenes are compared, and whether contacts are listed.
+/// Finds the clashes of some scenes.
 #[pyfunction]
 pub(crate) fn clash<'py>(
     py: Python<'py>,
     scenes: Vec<Labeled<'py>>,
     unit: Option<&str>,
-    lengths: (Option<LengthOption>, Option<LengthOption>),
-    flags: (bool, bool),
-    files: (Option<Source>, Option<Source>),
+    lengths: Lengths,
+    flags: Flags,
+    files: Files,
     progress: Progress,
 ) -> PyResult<Bound<'py, PyAny>> {
     let Progress(progress) = progress;
-    let unit = unit_of(py, unit)?;
-    let scenes = scenes.into_iter().map(|labeled| scene(py, labeled)).collect::<PyResult<Vec<_>>>()?;
-    let (tolerance, clearance) = lengths;
-    let (between, contacts) = flags;
-    let (rules, previous) = files;
-    let path = |source: &Option<Source>| match source {
-        Some(Source::Path(path)) => Some(path.clone()),
-        _ => None,
-    };
-    let stated = [path(&rules), path(&previous)];
-    let rules = rules.map(|source| read_rules(py, &source, unit)).transpose()?;
-    let previous = previous.map(|source| read_previous(py, &source, unit)).transpose()?;
-    let of_rules = |length: fn(&RulesFile) -> Option<f64>| rules.as_ref().and_then(length);
-    let tolerance = read_length(py, tolerance, "tolerance", unit)?.or(of_rules(|rules| rules.tolerance));
-    let clearance = read_length(py, clearance, "clearance", unit)?.or(of_rules(|rules| rules.clearance));
-    let [rules_path, previous_path] = stated;
-    let asked = Asked {
-        default_tolerance: tolerance.is_none(),
-        clearance,
-        contacts,
-        between,
-        rules: rules_path,
-        previous: previous_path,
-        ..Asked::default()
-    };
-    let search = Arc::new(Search { scenes, unit, tolerance, asked, rules, previous });
+    let search = Arc::new(Search::read(py, scenes, unit, lengths, flags, files)?);
     let rows = if progress { count(py, &search)? } else { 0 };
     let asking = Arc::clone(&search);
     let work = move |execution: Execution<'_>| match found(&asking, execution) {
@@ -212,15 +196,61 @@ fn read_previous(py: Python<'_>, source: &Source, unit: Option<Unit>) -> PyResul
 }
 
 impl Search {
-    fn sides(&self) -> Vec<Side<'_>> {
+    /// Reads the question.
+    pub(crate) fn read<'py>(
+        py: Python<'py>,
+        scenes: Vec<Labeled<'py>>,
+        unit: Option<&str>,
+        lengths: Lengths,
+        flags: Flags,
+        files: Files,
+    ) -> PyResult<Self> {
+        let unit = unit_of(py, unit)?;
+        let scenes = scenes.into_iter().map(|labeled| scene(py, labeled)).collect::<PyResult<Vec<_>>>()?;
+        let (tolerance, clearance) = lengths;
+        let (between, contacts, volume) = flags;
+        let (rules, previous) = files;
+        let path = |source: &Option<Source>| match source {
+            Some(Source::Path(path)) => Some(path.clone()),
+            _ => None,
+        };
+        let stated = [path(&rules), path(&previous)];
+        let rules = rules.map(|source| read_rules(py, &source, unit)).transpose()?;
+        let previous = previous.map(|source| read_previous(py, &source, unit)).transpose()?;
+        let of_rules = |length: fn(&RulesFile) -> Option<f64>| rules.as_ref().and_then(length);
+        let tolerance = read_length(py, tolerance, "tolerance", unit)?.or(of_rules(|rules| rules.tolerance));
+        let clearance = read_length(py, clearance, "clearance", unit)?.or(of_rules(|rules| rules.clearance));
+        let [rules_path, previous_path] = stated;
+        let asked = Asked {
+            default_tolerance: tolerance.is_none(),
+            clearance,
+            contacts,
+            volume,
+            between,
+            rules: rules_path,
+            previous: previous_path,
+            ..Asked::default()
+        };
+        Ok(Self { scenes, unit, tolerance, asked, rules, previous })
+    }
+
+    pub(crate) fn sides(&self) -> Vec<Side<'_>> {
         self.scenes.iter().map(|(label, scene)| Side { label: label.clone(), scene }).collect()
     }
 
-    fn options(&self, sides: &[Side<'_>]) -> Options<'_> {
+    pub(crate) fn options(&self, sides: &[Side<'_>]) -> Options<'_> {
         let tolerance = self.tolerance.unwrap_or_else(|| default_tolerance(sides, self.unit.map(Unit::meters)));
-        let Asked { clearance, contacts, between, .. } = self.asked;
+        let Asked { clearance, contacts, volume, between, .. } = self.asked;
         let rules = self.rules.as_ref().map(|file| &file.rules);
-        Options { clearance, contacts, between, rules, previous: self.previous.as_ref(), ..Options::new(tolerance) }
+        Options {
+            clearance,
+            contacts,
+            volume,
+            between,
+            rules,
+            previous: self.previous.as_ref(),
+            ..Options::new(tolerance)
+        }
     }
 
     fn candidates(&self, budget: &Budget<'_>) -> Result<usize, ClashError> {
@@ -242,7 +272,7 @@ impl Search {
         }
     }
 
-    fn raised(&self, py: Python<'_>, error: ClashError) -> PyErr {
+    pub(crate) fn raised(&self, py: Python<'_>, error: ClashError) -> PyErr {
         let fault = |kind, argument: &str| Fault::new(kind, argument, error.to_string()).raised(py);
         let in_rules = |kind: &str, line: Option<u64>| {
             let what = self.asked.rules.as_deref().unwrap_or("rules");
@@ -265,6 +295,12 @@ impl Search {
 fn found(search: &Arc<Search>, execution: Execution<'_>) -> Result<Found, ClashError> {
     let sides = search.sides();
     let report = find(&sides, search.options(&sides), execution)?;
+    Ok(written(search, report))
+}
+
+/// Returns the answer with a report.
+pub(crate) fn written(search: &Arc<Search>, report: Report) -> Found {
+    let sides = search.sides();
     let about = search.about(&sides);
     let (mut json, mut csv) = (Vec::new(), Vec::new());
     // Writing to a list of bytes cannot fail, and both reports are UTF-8.
@@ -273,14 +309,14 @@ fn found(search: &Arc<Search>, execution: Execution<'_>) -> Result<Found, ClashE
     let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
     let length = |x: f64| length_text(x, search.unit);
     let groups = [("part", Grouping::Part), ("type", Grouping::Type), ("scene", Grouping::Scene)];
-    Ok(Found {
+    Found {
         json: text(json),
         csv: text(csv),
         counts: counts(&report.counts),
         sentences: report.clashes.iter().map(|clash| clash.sentence(&length)).collect(),
         groups: groups.map(|(name, grouping)| (name, group_rows(&report, grouping, &length))).into(),
         page: ClashPage { search: Arc::clone(search), report: Arc::new(report) },
-    })
+    }
 }
 
 fn counts(counts: &Counts) -> Vec<(&'static str, usize)> {

@@ -7,6 +7,7 @@ mod boxes;
 mod character;
 mod character_pose;
 mod clash;
+mod clash_shares;
 mod command;
 mod contacts;
 mod decomposition;
@@ -66,6 +67,8 @@ mod _impinge {
     use super::character_pose::PosedCore;
     #[pymodule_export]
     use super::clash::{ClashPage, clash};
+    #[pymodule_export]
+    use super::clash_shares::{clash_candidates, clash_pairs, clash_report};
     #[pymodule_export]
     use super::command::run_command;
     #[pymodule_export]

@@ -33,7 +33,7 @@ pub(crate) fn scene_candidates<'py>(
     let found = workers::run(py, move |budget| {
         let found = scene.candidates(question, &configurations(&scene, &moves), 0, budget)?;
         let pairs: Vec<[u32; 2]> = found.pairs.iter().map(|pair| pair.map(|part| part.index() as u32)).collect();
-        let boxes: Vec<[f64; 6]> = found.boxes.iter().map(|corners| numbers(*corners)).collect();
+        let boxes: Vec<[f64; 6]> = found.boxes.iter().map(|corners| numbers_of_box(*corners)).collect();
         Ok((found.status as u8, pairs, boxes))
     })?;
     let (status, pairs, boxes) = found.map_err(crate::limits::raised)?;
@@ -43,7 +43,7 @@ pub(crate) fn scene_candidates<'py>(
 }
 
 /// Returns the numbers of a box, or NaN.
-fn numbers(corners: Option<[[f64; 3]; 2]>) -> [f64; 6] {
+pub(crate) fn numbers_of_box(corners: Option<[[f64; 3]; 2]>) -> [f64; 6] {
     corners.map_or([f64::NAN; 6], |[[a, b, c], [d, e, f]]| [a, b, c, d, e, f])
 }
 

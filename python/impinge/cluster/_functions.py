@@ -8,6 +8,7 @@ from typing import Any
 from impinge import _impinge
 from impinge._mesh import Mesh
 from impinge.cluster._calls import Call, ShareCall, VerbCall
+from impinge.cluster._clashes import ClashPairs, Scene
 from impinge.cluster._scenes import Part, ScenePairs, SceneRows
 
 
@@ -78,6 +79,19 @@ class Functions:
         """
         call = scene_call(parts, ignored, question, first, on_error)
         return self._answer(call, progress)
+
+    def clash(  # noqa: PLR0917 (the arguments of the extension)
+        self,
+        scenes: list[Scene],
+        unit: str | None,
+        lengths: tuple[Any, Any],
+        flags: tuple[bool, bool, bool],
+        files: tuple[Any, Any],
+        progress: bool,
+    ) -> Any:
+        """Return the report about the clashes of some scenes."""
+        findings = self._answer(ClashPairs(scenes, unit, lengths, flags, files), progress)
+        return _impinge.clash_report(scenes, unit, lengths, flags, files, findings)
 
 
 def scene_call(

@@ -127,7 +127,29 @@ def scene_pairs(
     return numbers[found], undecided
 
 
-_FUNCTIONS: dict[str, Any] = {"rows": rows, "share": share, "scene_rows": scene_rows, "scene_pairs": scene_pairs}
+def clash_pairs(
+    parts: list[AnyShape],
+    places: tuple[list[int], NDArray[np.float64]],
+    pairs: NDArray[np.uint32],
+    asked: NDArray[np.float64],
+    listed: tuple[bool, bool],
+) -> Any:
+    """Return the findings of some pairs of parts, for the tolerance and the clearance of each.
+
+    `places` has the index of each part among the distinct parts of the task, and its pose. `listed`
+    tells whether contacts are listed, and whether volumes are computed.
+    """
+    placed = [(parts[part], pose) for part, pose in zip(*places, strict=True)]
+    return _impinge.clash_pairs(placed, pairs, asked, listed)
+
+
+_FUNCTIONS: dict[str, Any] = {
+    "rows": rows,
+    "share": share,
+    "scene_rows": scene_rows,
+    "scene_pairs": scene_pairs,
+    "clash_pairs": clash_pairs,
+}
 
 
 class _Parts:

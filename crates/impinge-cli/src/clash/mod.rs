@@ -61,6 +61,9 @@ pub(crate) struct Arguments {
     /// List pairs of parts that touch, too
     #[arg(long)]
     contacts: bool,
+    /// Compute the volume of the material that two parts share, for --json
+    #[arg(long)]
+    volume: bool,
     /// Sets, rules, ignores and accepted clashes in a .toml file, a .csv matrix of groups, or the
     /// .json clash sets of IfcClash
     #[arg(long, value_name = "RULES")]
@@ -218,6 +221,7 @@ fn options<'o>(
         tolerance: asked.tolerance + 2.0 * asked.sag.unwrap_or(0.0),
         clearance: asked.clearance,
         contacts: arguments.contacts,
+        volume: arguments.volume,
         between: arguments.between,
         rules,
         previous,
@@ -322,6 +326,7 @@ impl Arguments {
             clearance: length(self.clearance, "--clearance")?.or(rules.and_then(|rules| rules.clearance)),
             sag: length(self.sag, "--sag")?,
             contacts: self.contacts,
+            volume: self.volume,
             between: self.between,
             rules: path_text(self.rules.as_deref()),
             previous: path_text(self.previous.as_deref()),

@@ -68,6 +68,9 @@ pub struct Asked {
     /// Whether contacts are listed.
     #[serde(skip_serializing_if = "is_false")]
     pub contacts: bool,
+    /// Whether the volumes of common material are computed.
+    #[serde(skip_serializing_if = "is_false")]
+    pub volume: bool,
     /// Whether only parts of different scenes are compared.
     #[serde(skip_serializing_if = "is_false")]
     pub between: bool,

@@ -270,7 +270,13 @@ struct ClashRow<'r> {
     #[serde(skip_serializing_if = "Option::is_none")]
     gap: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    volume: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     point: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    normal: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    faces: Option<[u32; 2]>,
     #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
     bounds: Option<[[f64; 3]; 2]>,
     proved: bool,
@@ -298,7 +304,10 @@ fn clash<'r>(clash: &'r Clash, about: &ReportAbout<'r>) -> ClashRow<'r> {
         b: part(&clash.b),
         depth: clash.depth,
         gap: clash.gap,
+        volume: clash.volume,
         point: clash.point,
+        normal: clash.normal,
+        faces: clash.faces,
         bounds: clash.bounds,
         proved: clash.proved,
         why: clash.why.map(|why| why.to_string()),

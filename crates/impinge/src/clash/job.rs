@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::decades::Decades;
 use super::error::ClashError;
 use super::groups::groups;
-use super::kinds::{Asked, Finding, Kind, classify};
+use super::kinds::{Asked, Finding, Kind, find_kind};
 use super::matching::{Matching, Treatment};
 use super::near::pairs_near;
 use super::options::Options;
@@ -152,6 +152,31 @@ impl<'s> Job<'s> {
         self.candidates.len()
     }
 
+    /// Returns the parts of a pair to check, and the question about it, so that
+    /// [`classify`](super::classify()) can answer it in another process.
+    ///
+    /// # Panics
+    /// Panics if the number of the pair is not in `0..self.candidates()`.
+    #[must_use]
+    pub fn question(&self, candidate: usize) -> ([&Member; 2], Asked) {
+        let candidate = &self.candidates[candidate];
+        (candidate.pair.map(|member| &*self.roster.members[member as usize]), self.asked(candidate))
+    }
+
+    /// Returns the box where the boxes of the parts of a pair overlap, or the box between them, in
+    /// the world frame. Returns `None` if a part is unbounded.
+    ///
+    /// # Panics
+    /// Panics if the number of the pair is not in `0..self.candidates()`.
+    #[must_use]
+    pub fn bounds(&self, candidate: usize) -> Option<[[f64; 3]; 2]> {
+        common_box(self.boxes(&self.candidates[candidate]))
+    }
+
+    fn boxes(&self, candidate: &Candidate) -> [Option<[[f64; 3]; 2]>; 2] {
+        candidate.pair.map(|member| self.placed[member as usize].bounds())
+    }
+
     /// Returns the kind of each candidate in a range, in order; `None` for a clear pair without a
     /// depth.
     ///
@@ -173,19 +198,20 @@ impl<'s> Job<'s> {
             || (),
             |(), row| {
                 let Candidate { pair: [a, b], .. } = rows[row];
-                let finding = classify(&place(a), &place(b), &self.asked(&rows[row]), execution.budget());
+                let finding = find_kind(&place(a), &place(b), &self.asked(&rows[row]), execution.budget());
                 (finding.kind != Kind::Clear).then(|| Box::new(finding))
             },
         )
     }
 
     fn asked(&self, candidate: &Candidate) -> Asked {
-        let Options { tolerance, clearance, contacts, rules, .. } = self.options;
+        let Options { tolerance, clearance, contacts, volume, rules, .. } = self.options;
         let rule = rules.zip(candidate.rule).map(|(rules, rule)| &rules.rules[rule as usize]);
         Asked {
             tolerance: rule.and_then(|rule| rule.tolerance).unwrap_or(tolerance),
             clearance: rule.and_then(|rule| rule.clearance).or(clearance),
             contacts,
+            volume,
         }
     }
 
@@ -204,7 +230,7 @@ impl<'s> Job<'s> {
             *counts.of(kind) += 1;
             let Some(finding) = finding else { continue };
             // An upper bound may be infinite, and a lower bound of 0 says nothing.
-            depths.extend(finding.depth.map(|depth| if depth.lower > 0.0 { depth.lower } else { depth.upper }));
+            depths.extend(finding.depth.map(|[lower, upper]| if lower > 0.0 { lower } else { upper }));
             match kind {
                 Kind::Duplicate => duplicates.push((candidate.pair, candidate.rule.map(|rule| rule as usize))),
                 Kind::Contact if !self.options.contacts => {}
@@ -230,12 +256,12 @@ impl<'s> Job<'s> {
     fn clash(&self, candidate: &Candidate, finding: &Finding, statuses: &Statuses<'_>) -> Clash {
         let [a, b] = candidate.pair.map(|member| Arc::clone(&self.roster.members[member as usize]));
         let id = identity_of([&a, &b]);
-        let depth = finding.depth.map(|depth| [depth.lower, depth.upper]);
-        let gap = finding.gap.filter(|_| finding.kind == Kind::Clearance).map(|gap| [gap.lower, gap.upper]);
+        let depth = finding.depth;
+        let gap = finding.gap.filter(|_| finding.kind == Kind::Clearance);
         let tolerance = self.asked(candidate).tolerance;
         let Settled { status, accepted, note } =
             statuses.of(&Current { id: &id, kind: finding.kind, depth, gap, tolerance });
-        let boxes = candidate.pair.map(|member| self.placed[member as usize].bounds());
+        let boxes = self.boxes(candidate);
         let rule = candidate.rule.map(|rule| rule as usize);
         Clash {
             id,
@@ -249,7 +275,10 @@ impl<'s> Job<'s> {
             note,
             depth,
             gap,
+            volume: finding.volume,
             point: finding.point,
+            faces: finding.faces,
+            normal: finding.normal,
             bounds: common_box(boxes),
             proved: finding.proved,
             why: finding.why,

@@ -22,6 +22,8 @@ pub struct Options<'o> {
     pub clearance: Option<f64>,
     /// Whether contacts are listed.
     pub contacts: bool,
+    /// Whether the volumes of common material are computed.
+    pub volume: bool,
     /// Whether only pairs of parts of different scenes are checked.
     pub between: bool,
     /// Rules, or `None` to check all pairs.
@@ -33,14 +35,15 @@ pub struct Options<'o> {
 }
 
 impl Options<'static> {
-    /// Returns options with a tolerance. All pairs are checked, without a clearance, and contacts
-    /// are not listed.
+    /// Returns options with a tolerance. All pairs are checked, without a clearance, contacts are
+    /// not listed, and volumes are not computed.
     #[must_use]
     pub fn new(tolerance: f64) -> Self {
         Self {
             tolerance,
             clearance: None,
             contacts: false,
+            volume: false,
             between: false,
             rules: None,
             previous: None,

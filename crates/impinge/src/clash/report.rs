@@ -37,8 +37,15 @@ pub struct Clash {
     pub depth: Option<[f64; 2]>,
     /// Lower and upper bound of the gap, in world units.
     pub gap: Option<[f64; 2]>,
+    /// Lower and upper bound of the volume of the common material, in cubed world units.
+    pub volume: Option<[f64; 2]>,
     /// Point that shows where the parts meet, in the world frame.
     pub point: Option<[f64; 3]>,
+    /// The nearest faces of `a` and `b` to the point. `None` unless both are meshes.
+    pub faces: Option<[u32; 2]>,
+    /// Direction of length 1 in which `b` leaves `a` near the point, or faces it across the gap, in
+    /// the world frame.
+    pub normal: Option<[f64; 3]>,
     /// Lower and upper corner of the box where the boxes of the parts overlap, or of the box
     /// between them, in the world frame. `None` if a part is unbounded.
     pub bounds: Option<[[f64; 3]; 2]>,

@@ -1,10 +1,15 @@
 //! Corrupted rules and reports: no panic, and an error with a place.
 
-use impinge_files::{LoadError, RulesFormat, Unit, parse_previous, parse_rules};
+use std::collections::BTreeSet;
+
+use impinge::clash::{Options, Side, find};
+use impinge::query::batch::Execution;
+use impinge_files::{Format, LoadError, RulesFormat, SceneOptions, Unit, parse_previous, parse_rules, parse_scene};
 use impinge_testkit::generate::Rng;
 use impinge_testkit::rounds;
 
 use super::{reports, rules};
+use crate::scenes::document;
 
 /// Changes, removes, inserts or repeats some bytes.
 fn mutated(rng: &mut Rng, original: &[u8]) -> Vec<u8> {
@@ -61,4 +66,33 @@ fn corrupted_rules_are_errors_with_a_place() {
 #[test]
 fn corrupted_previous_reports_are_errors_with_a_place() {
     read_mutations(4, &reports::json(), |bytes| parse_previous(bytes, Some(Unit::Meter)).map(drop));
+}
+
+#[test]
+fn corrupted_scenes_are_errors_or_have_clashes() {
+    let nodes = r#""nodes": [{"mesh": 0, "name": "floor"}, {"mesh": 1, "name": "roof", "translation": [0.25, 0.25, -0.75]},
+        {"mesh": 0, "name": "copy"}, {"mesh": 1, "name": "turned", "rotation": [0.0, 0.6, 0.0, 0.8], "scale": [1, 2, 3]}]"#;
+    let original = document(nodes);
+    let mut rng = Rng::new(6);
+    let (mut errors, mut kinds) = (0, BTreeSet::new());
+    for _ in 0..rounds(1000) {
+        let bytes = mutated(&mut rng, original.as_bytes());
+        let model = match parse_scene(&bytes, Format::Gltf, &SceneOptions::default()) {
+            Ok(model) => model,
+            Err(error) => {
+                assert!(!error.to_string().is_empty());
+                errors += 1;
+                continue;
+            }
+        };
+        let Ok(scene) = model.into_scene(|mesh| mesh.solid().into()) else { continue };
+        let sides = [Side { label: "scene".to_owned(), scene: &scene }];
+        let options = Options { contacts: true, clearance: Some(0.125), ..Options::new(1e-3) };
+        let report = find(&sides, options, Execution::default().sequentially()).unwrap();
+        assert!(report.clashes.len() <= report.counts.candidates);
+        kinds.extend(report.clashes.iter().map(|clash| clash.kind.name()));
+        kinds.extend(report.duplicates.iter().map(|_| "duplicate"));
+    }
+    assert!(errors > 100, "{errors} errors");
+    assert!(kinds.contains("clash") && kinds.contains("duplicate"), "{kinds:?}");
 }

@@ -17,7 +17,7 @@ const FACES: [u8; 12] = [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3];
 
 /// Returns a glTF document whose meshes `a` and `b` are the tetrahedron. Accessor 2 holds the
 /// translations. `rest` has the nodes and further entries.
-fn document(rest: &str) -> String {
+pub(crate) fn document(rest: &str) -> String {
     let mut bytes: Vec<u8> = FLOATS.iter().flat_map(|x| x.to_le_bytes()).collect();
     bytes.extend(FACES);
     let base64 = BASE64_STANDARD.encode(&bytes);

@@ -10,7 +10,7 @@
 //!
 //! Guarded by `tests/it/clash/cases.rs`, and by unit tests below.
 
-use crate::math::vec3::{Vector, add, dot, scale, squared_distance, sub};
+use crate::math::vec3::{Vector, add, cross, dot, scale, squared_distance, sub};
 
 /// A half-space: the points whose product with the normal is at most the height.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +34,14 @@ pub(super) struct Cell {
     corners: Vec<Corner>,
     /// The planes. Those without corners are out of use.
     planes: Vec<Plane>,
+}
+
+/// How a triangle lies across the planes of a cell.
+struct Across {
+    /// The planes that divide the triangle: bit i is plane i.
+    planes: u128,
+    /// Whether a corner of the triangle is inside all planes.
+    has_corner_inside: bool,
 }
 
 impl Plane {
@@ -117,6 +125,26 @@ impl Cell {
         [low.map(|x| x - margin), high.map(|x| x + margin)]
     }
 
+    /// Returns the volume of the cell.
+    pub(super) fn volume(&self) -> f64 {
+        let center = self.center();
+        self.sides().map(|(plane, area)| area * -plane.beyond(&center)).sum::<f64>() / 3.0
+    }
+
+    /// Returns the area of all sides of the cell.
+    pub(super) fn surface(&self) -> f64 {
+        self.sides().map(|(_, area)| area).sum()
+    }
+
+    /// Returns the plane and the area of each side.
+    fn sides(&self) -> impl Iterator<Item = (&Plane, f64)> {
+        self.planes.iter().enumerate().map(|(at, plane)| {
+            let on: Vec<Vector> =
+                self.corners.iter().filter(|corner| corner.on >> at & 1 == 1).map(|corner| corner.at).collect();
+            (plane, area_of(&plane.normal, &on))
+        })
+    }
+
     /// Cuts the cell by a plane: returns the cell inside its half-space and the cell beyond. A cell
     /// without corners off the plane by more than the slack is `None`. Returns `None` alone if the
     /// cell has too many planes or corners to be cut.
@@ -174,30 +202,31 @@ impl Cell {
     /// Returns the part of a triangle inside the cell, grown by a margin. It is empty if the
     /// triangle does not reach the grown cell.
     pub(super) fn clip(&self, triangle: &[Vector; 3], margin: f64) -> Vec<Vector> {
-        self.planes_across(triangle, margin).map_or_else(Vec::new, |across| self.clip_by(across, triangle, margin))
+        self.across(triangle, margin).map_or_else(Vec::new, |across| self.clip_by(across.planes, triangle, margin))
     }
 
     /// Reports whether a triangle reaches the cell, grown by a margin.
     pub(super) fn meets(&self, triangle: &[Vector; 3], margin: f64) -> bool {
-        self.planes_across(triangle, margin)
-            .is_some_and(|across| across == 0 || !self.clip_by(across, triangle, margin).is_empty())
+        self.across(triangle, margin)
+            .is_some_and(|across| across.has_corner_inside || !self.clip_by(across.planes, triangle, margin).is_empty())
     }
 
-    /// Returns the planes, moved outward by a margin, that divide a triangle: bit i is plane i.
-    /// Returns `None` if the triangle is beyond one of the planes.
-    fn planes_across(&self, triangle: &[Vector; 3], margin: f64) -> Option<u128> {
+    /// Returns the planes, moved outward by a margin, that divide a triangle, or `None` if the
+    /// triangle is beyond one of them.
+    fn across(&self, triangle: &[Vector; 3], margin: f64) -> Option<Across> {
         let used = self.used();
-        let mut across = 0;
+        let (mut planes, mut outside) = (0, [false; 3]);
         for (at, plane) in self.planes.iter().enumerate().filter(|(at, _)| used >> at & 1 == 1) {
             let beyond = triangle.each_ref().map(|corner| plane.beyond(corner) > margin);
             if beyond == [true; 3] {
                 return None;
             }
             if beyond != [false; 3] {
-                across |= 1 << at;
+                planes |= 1 << at;
+                outside = std::array::from_fn(|corner| outside[corner] || beyond[corner]);
             }
         }
-        Some(across)
+        Some(Across { planes, has_corner_inside: outside != [true; 3] })
     }
 
     /// Returns the part of a triangle inside some of the planes, moved outward by a margin.
@@ -228,6 +257,20 @@ impl Cell {
         }
         polygon
     }
+}
+
+/// Returns the area of the convex polygon of some corners in a plane.
+fn area_of(normal: &Vector, corners: &[Vector]) -> f64 {
+    if corners.len() < 3 {
+        return 0.0;
+    }
+    let center = scale(&corners.iter().fold([0.0; 3], |sum, at| add(&sum, at)), 1.0 / corners.len() as f64);
+    let arms: Vec<Vector> = corners.iter().map(|at| sub(at, &center)).collect();
+    let [x, y] = [arms[0], cross(normal, &arms[0])];
+    let mut turned: Vec<(f64, &Vector)> = arms.iter().map(|arm| (dot(arm, &y).atan2(dot(arm, &x)), arm)).collect();
+    turned.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let next = turned.iter().cycle().skip(1);
+    0.5 * turned.iter().zip(next).map(|((_, a), (_, b))| dot(normal, &cross(a, b))).sum::<f64>()
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! Where the search for a depth cuts a cell.
 
 use super::cell::{Cell, Plane};
-use super::face::Face;
+use super::face::{Face, largest_in};
 use super::facet::Facet;
 use super::piece::Local;
 use super::side::Side;
-use crate::math::vec3::{Vector, add, cross, dot, scale, sub, unit};
+use crate::math::vec3::{dot, scale, sub, unit};
 
 /// Number of flat parts of both solids in a cell above which the cell is halved, and not divided
 /// along one of them.
@@ -49,12 +49,10 @@ impl Divider<'_, '_> {
                 if wide.take(1).count() > 0 {
                     return vec![self.fewest_faces(cell, local)];
                 }
-            } else if let Some((number, face)) = largest_in(cell, wide, self.slack) {
+            } else if let Some((number, _)) = largest_in(cell, wide, self.slack) {
                 return match self.supporting(side, number) {
-                    Some(facet) => {
-                        vec![facet.limit(2.0 * self.slack)]
-                    }
-                    None => self.around(face),
+                    Some(facet) => vec![facet.limit(2.0 * self.slack)],
+                    None => self.around(&self.sides[side].faces[number as usize]),
                 };
             }
         }
@@ -165,18 +163,4 @@ fn across(axis: usize, height: f64) -> Plane {
     let mut normal = [0.0; 3];
     normal[axis] = 1.0;
     Plane { normal, height }
-}
-
-/// Returns the face with the largest part in a cell.
-fn largest_in<'f>(cell: &Cell, faces: impl Iterator<Item = (u32, &'f Face)>, slack: f64) -> Option<(u32, &'f Face)> {
-    let sized = faces.map(|face| (area(&cell.clip(&face.1.corners, slack)), face));
-    sized.max_by(|x, y| x.0.total_cmp(&y.0)).map(|(_, face)| face)
-}
-
-/// Returns twice the area of a polygon in a plane.
-pub(super) fn area(polygon: &[Vector]) -> f64 {
-    let Some((first, rest)) = polygon.split_first() else { return 0.0 };
-    let sum =
-        rest.windows(2).fold([0.0; 3], |sum, pair| add(&sum, &cross(&sub(&pair[0], first), &sub(&pair[1], first))));
-    dot(&sum, &sum).sqrt()
 }

@@ -93,6 +93,14 @@ impl Facet {
         cell.corners().map(|corner| self.plane.beyond(corner).abs()).fold(0.0, f64::max) + self.flatness
     }
 
+    /// Reports whether the box about the facet holds the foot of a point.
+    pub(super) fn may_be_below(&self, point: &Vector, slack: f64) -> bool {
+        let foot = sub(point, &scale(&self.plane.normal, self.plane.beyond(point)));
+        let margin = self.flatness + 4.0 * slack;
+        let [low, high] = &self.bounds;
+        (0..3).all(|axis| foot[axis] >= low[axis] - margin && foot[axis] <= high[axis] + margin)
+    }
+
     /// Returns the plane through an edge of the border that may divide the feet of a cell's points,
     /// or `None` if no edge does. Of several it is the one that divides the cell most evenly.
     pub(super) fn edge_below(&self, cell: &Cell, slack: f64) -> Option<Plane> {

@@ -2,6 +2,23 @@
 
 use crate::math::vec3::Vector;
 
+/// How much work a search does, and how narrow an interval it wants.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Effort {
+    /// Relative width of the interval at which the search for the greatest depth stops.
+    pub(crate) relative_width: f64,
+    /// Number of cells after which a search ends.
+    pub(crate) cells: usize,
+    /// Number of winding numbers near holes after which a search ends.
+    pub(crate) samples: usize,
+}
+
+impl Effort {
+    /// The effort of a question about one pair. It bounds the work to about a tenth of a second, or
+    /// a second if faces by the thousand are near each other.
+    pub(crate) const FULL: Self = Self { relative_width: 1.0 / 1024.0, cells: 1 << 14, samples: 1 << 12 };
+}
+
 /// The points whose depth is searched, and how far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Goal {
@@ -12,8 +29,7 @@ pub(super) struct Goal {
     pub(super) outside_first: bool,
     /// The solids whose surfaces count: the depth is the greatest distance from one of them.
     pub(super) measured: [bool; 2],
-    /// Relative width of the interval at which the search for the greatest depth stops.
-    pub(super) relative_width: f64,
+    pub(super) effort: Effort,
 }
 
 /// The answer of a search.

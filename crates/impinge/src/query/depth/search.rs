@@ -17,18 +17,14 @@
 use std::collections::BinaryHeap;
 
 use super::cell::{Cell, Plane};
-use super::divide::{Divider, area, middle};
-use super::face::gap;
-use super::goal::{Found, Goal};
+use super::divide::{Divider, middle};
+use super::face::{gap, largest_in};
+use super::goal::{Effort, Found, Goal};
 use super::piece::{Local, Piece};
 use super::side::Side;
 use crate::budget::Budget;
 use crate::math::vec3::{Vector, add, scale, squared_distance, sub};
 use crate::mesh::Containment;
-
-/// Maximum number of cells of a search. It bounds the work for each pair to about a tenth of a
-/// second, or a second if faces by the thousand are near each other.
-const MAX_CELLS: usize = 1 << 14;
 
 /// Maximum number of planes of facets by which the first cell is cut.
 const MAX_LIMITS: usize = 24;
@@ -41,9 +37,6 @@ const INWARD: f64 = 1.0 / 4096.0;
 
 /// Maximum number of faces in a cell whose parts are compared, to find a point to try.
 const MAX_CLIPPED: usize = 32;
-
-/// Number of points near holes of open solids whose winding numbers are compared in a search.
-const MAX_SAMPLES: usize = 1 << 12;
 
 /// Number of facets whose normals are tried as the way out for a cell.
 const MAX_WAYS_OUT: usize = 4;
@@ -122,7 +115,8 @@ impl<'s, 'm> Search<'s, 'm> {
             // The bounds of all cells that are left are about the threshold.
             let is_tie = self.goal.threshold.is_some_and(|threshold| piece.upper <= threshold * (1.0 + TIE));
             ties += usize::from(is_tie);
-            if ties > MAX_TIES || self.count > MAX_CELLS || self.samples.get() > MAX_SAMPLES || budget.is_spent() {
+            let Effort { cells, samples, .. } = self.goal.effort;
+            if ties > MAX_TIES || self.count > cells || self.samples.get() > samples || budget.is_spent() {
                 self.settled = self.settled.max(piece.upper);
                 break;
             }
@@ -174,7 +168,7 @@ impl<'s, 'm> Search<'s, 'm> {
         match self.goal.threshold {
             Some(threshold) if self.goal.outside_first => threshold.max(self.found.resolution),
             Some(threshold) => threshold,
-            None => (self.found.lower * (1.0 + self.goal.relative_width)).max(self.found.resolution),
+            None => (self.found.lower * (1.0 + self.goal.effort.relative_width)).max(self.found.resolution),
         }
     }
 
@@ -302,8 +296,7 @@ impl<'s, 'm> Search<'s, 'm> {
         for side in 0..2 {
             let faces =
                 piece.local[side].touching.iter().take(MAX_CLIPPED).map(|&face| &self.sides[side].faces[face as usize]);
-            let clipped = faces.map(|face| (face.normal, piece.cell.clip(&face.corners, 0.0)));
-            let largest = clipped.max_by(|a, b| area(&a.1).total_cmp(&area(&b.1)));
+            let largest = largest_in(&piece.cell, faces.map(|face| (face.normal, face)), 0.0);
             if let Some((Some(normal), polygon)) = largest.filter(|(_, polygon)| !polygon.is_empty()) {
                 let sum = polygon.iter().fold([0.0; 3], |sum, point| add(&sum, point));
                 // Rounding may put a point of a face on its wrong side.
@@ -356,7 +349,7 @@ impl<'s, 'm> Search<'s, 'm> {
         let is_far = [0, 1].map(|side| self.goal.measured[side] && local[side].reach > target);
         // The points of a cell around a face that are outside count, too, so the cell must be
         // thinner than the depth is to be known.
-        let share = if self.goal.threshold.is_some() { 0.25 } else { 0.5 * self.goal.relative_width };
+        let share = if self.goal.threshold.is_some() { 0.25 } else { 0.5 * self.goal.effort.relative_width };
         let divider = Divider {
             sides: self.sides,
             measured: self.goal.measured,

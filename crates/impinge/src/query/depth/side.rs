@@ -3,7 +3,7 @@
 use std::ops::ControlFlow::{self, Continue};
 
 use super::cell::Cell;
-use super::face::{Face, gap, world_box, world_face};
+use super::face::{Face, box_about, gap, world_box, world_corners};
 use super::facet::Facet;
 use crate::exact::{Placement, PosedPoint, Spot};
 use crate::math::Pose;
@@ -103,8 +103,14 @@ impl<'m> Side<'m> {
 
     /// Returns how far a point is inside the solid, given the distance of the nearest face: less
     /// near a hole, through which the solid ends without a face. There the distances of some points
-    /// outside are compared.
+    /// outside are compared. An open solid ends at the planes that support it, too.
     pub(super) fn distance_from_outside(&self, point: &Vector, to_faces: f64) -> f64 {
+        let to_faces = if self.placed.mesh.is_closed() {
+            to_faces
+        } else {
+            let supporting = self.facets.iter().filter(|facet| facet.supports());
+            supporting.map(|facet| facet.way_out(point)).fold(to_faces, f64::min).max(0.0)
+        };
         let ball = [point.map(|x| x - to_faces), point.map(|x| x + to_faces)];
         if self.is_clear_of_holes(&ball) {
             return to_faces;
@@ -143,7 +149,8 @@ impl<'m> Side<'m> {
     /// Reports whether all points of a cell are over a facet: their feet in its plane are in it.
     pub(super) fn is_over(&self, facet: &Facet, cell: &Cell, slack: f64) -> bool {
         let center = cell.center();
-        facet.edge_below(cell, slack).is_none()
+        facet.may_be_below(&center, slack)
+            && facet.edge_below(cell, slack).is_none()
             && facet.faces.iter().any(|&face| self.faces[face as usize].is_below(&center, slack))
     }
 }
@@ -176,9 +183,9 @@ impl FaceSearch for Near<'_, '_> {
     }
 
     fn visit(&mut self, face: u32) -> ControlFlow<()> {
-        let found = world_face(self.placed, face, &self.origin);
-        if gap(&found.bounds, self.bounds) <= self.margin {
-            self.found.push((face, found));
+        let corners = world_corners(self.placed, face, &self.origin);
+        if gap(&box_about(&corners), self.bounds) <= self.margin {
+            self.found.push((face, Face::new(corners, self.placed.world_from_mesh.mirrors())));
         }
         Continue(())
     }

@@ -6,6 +6,7 @@ use super::facet::planes_of_convex;
 use super::goal::{Found, Goal};
 use super::search::Search;
 use super::side::Side;
+use super::volume::common_volume;
 use crate::budget::Budget;
 use crate::math::vec3::{Vector, add, scale, sub};
 use crate::mesh::{Mesh, PlacedMesh};
@@ -15,6 +16,31 @@ use crate::primitive::CLOSED_FORM_ERROR;
 pub(super) struct Solids<'m> {
     placed: [PlacedMesh<'m>; 2],
     boxes: [[Vector; 2]; 2],
+}
+
+/// The box that is searched, with the faces of both solids near it.
+struct Site<'m> {
+    /// The box, in the frame of the search.
+    bounds: [Vector; 2],
+    /// Origin of the frame of the search, in the world.
+    origin: Vector,
+    slack: f64,
+    margin: f64,
+    sides: [Side<'m>; 2],
+}
+
+impl Site<'_> {
+    /// Returns bounds of the volume of the points of the box that are in both solids.
+    fn volume(&self, budget: &Budget<'_>) -> [f64; 2] {
+        common_volume(&self.sides, &self.bounds, self.slack, budget)
+    }
+
+    /// Searches a goal, from a point in the world whose depth is known.
+    fn search(&self, goal: Goal, known: Option<(f64, Vector)>, budget: &Budget<'_>) -> Found {
+        let known = known.map(|(depth, point)| (depth, sub(&point, &self.origin)));
+        let found = Search::new(&self.sides, goal, (self.slack, self.margin), known).run(&self.bounds, budget);
+        Found { point: found.point.map(|point| add(&point, &self.origin)), ..found }
+    }
 }
 
 /// The answer about solids whose boxes have no common point.
@@ -57,8 +83,7 @@ impl<'m> Solids<'m> {
     /// holds the second up to a tolerance. Returns `None` if the vertices do not tell.
     pub(super) fn convex_holds_second(&self, tolerance: f64) -> Option<bool> {
         let [outer, inner] = &self.placed;
-        let [low, high] = self.boxes[1];
-        let origin: Vector = std::array::from_fn(|axis| 0.5 * low[axis] + 0.5 * high[axis]);
+        let origin = middle(&self.boxes[1]);
         let slack = self.slack(&origin);
         let planes = planes_of_convex(outer, (&origin, slack))?;
         let (mut is_held, mut overhang) = (true, 0.0_f64);
@@ -111,47 +136,64 @@ impl<'m> Solids<'m> {
 
     /// Searches the goal. The point of the answer is in the world frame.
     pub(super) fn search(&self, goal: Goal, budget: &Budget<'_>) -> Found {
-        self.search_from(goal, None, budget)
+        let range = goal.threshold.map_or(f64::INFINITY, |threshold| 2.0 * threshold);
+        self.apart_along_axis(&goal)
+            .or_else(|| Some(self.site(&goal, range)?.search(goal, None, budget)))
+            .unwrap_or(NOTHING)
     }
 
     /// Searches the greatest depth. A search with a threshold costs less the larger the threshold
     /// is. So thresholds fall until a point is deeper, and the last search starts from that point.
     pub(super) fn greatest(&self, goal: Goal, budget: &Budget<'_>) -> Found {
-        let Some([low, high]) = self.region(&goal) else { return NOTHING };
+        let Some(site) = self.site(&goal, f64::INFINITY) else { return NOTHING };
+        let beyond = |threshold: f64| {
+            let goal = Goal { threshold: Some(threshold), ..goal };
+            self.apart_along_axis(&goal).unwrap_or_else(|| site.search(goal, None, budget))
+        };
+        let [low, high] = site.bounds;
         let size = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-        let mut shallow = Found { upper: f64::INFINITY, ..NOTHING };
+        let mut best = Found { upper: size, ..NOTHING };
         for step in 1..=STEPS {
             let threshold = size * STEP.powi(step);
-            let found = self.search_from(Goal { threshold: Some(threshold), ..goal }, None, budget);
-            if let (true, Some(point)) = (found.lower > threshold, found.point) {
-                let last = self.search_from(goal, Some((found.lower, point)), budget);
-                return Found { upper: last.upper.min(shallow.upper), ..last };
-            }
+            let found = beyond(threshold);
             // A tie leaves the bound of the threshold before.
-            shallow = Found { upper: found.upper.min(shallow.upper), ..found };
-            if threshold * STEP < SMALLEST * found.resolution || budget.is_spent() {
+            best = Found { upper: found.upper.min(best.upper), ..found };
+            if found.lower > threshold {
                 break;
             }
+            if threshold * STEP < SMALLEST * found.resolution || budget.is_spent() {
+                return best;
+            }
         }
-        shallow
+        let Some(point) = best.point else { return best };
+        let last = site.search(goal, Some((best.lower, point)), budget);
+        Found { upper: last.upper.min(best.upper).max(last.lower), ..last }
     }
 
-    fn search_from(&self, goal: Goal, known: Option<(f64, Vector)>, budget: &Budget<'_>) -> Found {
-        let Some(region) = self.region(&goal) else { return NOTHING };
-        let origin: Vector = std::array::from_fn(|axis| 0.5 * region[0][axis] + 0.5 * region[1][axis]);
-        let slack = self.slack(&origin);
+    /// Returns bounds of the volume of the points that are in both solids.
+    pub(super) fn common_volume(&self, goal: &Goal, budget: &Budget<'_>) -> [f64; 2] {
+        self.site(goal, 0.0).map_or([0.0; 2], |site| site.volume(budget))
+    }
+
+    /// Returns the answer if some way along an axis takes one box out of the other, and is no
+    /// longer than the threshold.
+    fn apart_along_axis(&self, goal: &Goal) -> Option<Found> {
+        let threshold = goal.threshold.filter(|_| !goal.outside_first)?;
+        let slack = self.slack(&middle(&self.region(goal)?));
         let way_out = self.way_out_of_boxes() + 2.0 * slack;
-        if !goal.outside_first && goal.threshold.is_some_and(|threshold| way_out <= threshold) {
-            return Found { upper: way_out, resolution: 16.0 * slack, ..NOTHING };
-        }
-        // A face beyond the margin is farther than any depth that decides.
-        let range = goal.threshold.map_or(f64::INFINITY, |threshold| 2.0 * threshold);
-        let margin = range.min(self.inradius_bound(&goal)) + 64.0 * slack;
-        let local = region.map(|corner| sub(&corner, &origin));
-        let sides = self.placed.map(|placed| Side::new(placed, origin, &local, (margin, slack)));
-        let known = known.map(|(depth, point)| (depth, sub(&point, &origin)));
-        let found = Search::new(&sides, goal, (slack, margin), known).run(&local, budget);
-        Found { point: found.point.map(|point| add(&point, &origin)), ..found }
+        (way_out <= threshold).then_some(Found { upper: way_out, resolution: 16.0 * slack, ..NOTHING })
+    }
+
+    /// Returns the box of a search with the faces near it, or `None` if the box is empty. A face
+    /// beyond the range is farther than any depth that decides.
+    fn site(&self, goal: &Goal, range: f64) -> Option<Site<'m>> {
+        let region = self.region(goal)?;
+        let origin = middle(&region);
+        let slack = self.slack(&origin);
+        let margin = range.min(self.inradius_bound(goal)) + 64.0 * slack;
+        let bounds = region.map(|corner| sub(&corner, &origin));
+        let sides = self.placed.map(|placed| Side::new(placed, origin, &bounds, (margin, slack)));
+        Some(Site { bounds, origin, slack, margin, sides })
     }
 
     /// Returns a bound of the rounding errors in the search: of the coordinates, which are rounded
@@ -164,11 +206,15 @@ impl<'m> Solids<'m> {
     }
 }
 
+fn middle([low, high]: &[Vector; 2]) -> Vector {
+    std::array::from_fn(|axis| 0.5 * low[axis] + 0.5 * high[axis])
+}
+
 /// Returns the box about the faces of a mesh in the world, rounded, or `None` without faces.
 fn bounds(placed: &PlacedMesh<'_>) -> Option<[Vector; 2]> {
     let [low, high] = placed.mesh.local_bounds()?;
     if placed.mesh.faces().len() > MAX_VERTICES {
-        let center: Vector = std::array::from_fn(|axis| 0.5 * low[axis] + 0.5 * high[axis]);
+        let center = middle(&[low, high]);
         let half = scale(&sub(&high, &low), 0.5 * (1.0 + 4.0 * f64::EPSILON));
         return Some(world_box(&placed.world_from_mesh, &[0.0; 3], &center, &half));
     }

@@ -306,7 +306,7 @@ fn small_cases_have_their_kinds_in_all_variants() {
                 Expected::Clash(depth) => {
                     assert_eq!(kind, Kind::Clash, "{name}");
                     // Facets that cross at small angles need more cells than a search has.
-                    holds(depth, if case.tolerance < TOLERANCE { 0.25 } else { 1.0 / 32.0 });
+                    holds(depth, if case.tolerance < TOLERANCE { 0.25 } else { 1.0 / 16.0 });
                 }
                 Expected::Clearance(gap) => {
                     assert_eq!(kind, Kind::Clearance, "{name}");
