@@ -93,6 +93,31 @@ fn json_has_what_was_asked_and_the_same_bytes_for_any_threads() {
 }
 
 #[test]
+fn clashes_have_a_direction_faces_and_a_volume() {
+    let folder = folder();
+    let report = json(&folder.run("clash house.obj --unit m --clearance 20mm --volume --json"));
+    let of_kind = |kind: &str| {
+        let clashes = report["clashes"].as_array().unwrap();
+        clashes.iter().find(|clash| clash["kind"] == kind).unwrap().clone()
+    };
+    let numbers = |value: &Value| -> Vec<f64> {
+        value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
+    };
+    // The pipe enters the wall along y, up to its middle, so both directions are equally short.
+    let clash = of_kind("clash");
+    assert_eq!([&clash["a"]["name"], &clash["b"]["name"]], ["pipe", "wall"]);
+    let common = 0.125_f64.powi(3);
+    let [lower, upper] = numbers(&clash["volume"])[..] else { panic!("{clash}") };
+    assert!(lower <= common && common <= upper && upper - lower < 1e-9, "{clash}");
+    assert!(numbers(&clash["normal"])[1].abs() > 0.9, "{clash}");
+    assert!(numbers(&clash["faces"]).iter().all(|face| *face < 12.0), "{clash}");
+    let gap = of_kind("clearance");
+    assert_eq!([&gap["a"]["name"], &gap["b"]["name"]], ["shelf", "wall"]);
+    assert!(numbers(&gap["normal"])[1] < -0.9 && gap["volume"].is_null(), "{gap}");
+    assert!(json(&folder.run("clash house.obj --unit m --json"))["clashes"][0]["volume"].is_null());
+}
+
+#[test]
 fn files_are_written_beside_the_report() {
     let folder = folder();
     let run = folder.run("clash house.obj --unit m --json=out.json --csv out.csv");

@@ -33,6 +33,6 @@ pub use triangles::closest_on_triangles;
 
 pub(crate) use closest::CLOSED_FORM_ERROR;
 pub(crate) use facing::{side_along, unit_normal};
-pub(crate) use points::{PreparedTriangle, point_triangle};
+pub(crate) use points::{PreparedTriangle, point_segment, point_triangle};
 pub(crate) use products::{accurate_cross, accurate_sum_of_products};
 pub(crate) use triangles::{Witness, common_point, separation, triangle_triangle};

@@ -52,7 +52,7 @@ pub fn closest_on_triangle(point: &Vector, triangle: &[Vector; 3]) -> ClosestPoi
 /// Returns the squared distance of a point from a segment, and the parameter of the nearest point,
 /// from 0 to 1. `point` and `edge` are the point and the far end, both relative to the near end.
 #[inline(always)]
-pub(super) fn point_segment(point: &Vector, edge: &Vector) -> (f64, f64) {
+pub(crate) fn point_segment(point: &Vector, edge: &Vector) -> (f64, f64) {
     let squared = dot(edge, edge);
     let along = dot(point, edge);
     // Written so that 0 / 0, which is NaN, gives zero.

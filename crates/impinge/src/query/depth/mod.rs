@@ -3,11 +3,13 @@
 //! `answer` has the interval of a depth. `cell` has the convex cells into which the common part is
 //! divided, `face` and `facet` the faces and flat parts of a solid near it, `side` the solid as a
 //! cell sees it, `piece` a cell with its faces, `goal` the question, `divide` where
-//! cells are cut, and `search` the search. `nearest` finds the
+//! cells are cut, `border` how much winding
+//! numbers vary near holes, and `search` the search. `nearest` finds the
 //! nearest face to a point. `solids` prepares both solids. `shapes` has the depth of
 //! things that are not meshes.
 
 mod answer;
+mod border;
 mod cell;
 mod divide;
 mod face;

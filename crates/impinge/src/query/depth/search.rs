@@ -218,10 +218,16 @@ impl<'s, 'm> Search<'s, 'm> {
     /// Returns whether a cell that no face reaches is on the side of a solid that counts, or `None`
     /// if the solid is open and this differs in the cell. `bounds` is the grown box of the cell.
     fn side_of(&self, side: usize, cell: &Cell, bounds: &[Vector; 2]) -> Option<bool> {
-        let first = self.counts(side, &cell.center());
+        let center = cell.center();
         if self.sides[side].is_clear_of_holes(bounds) {
-            return first;
+            return self.counts(side, &center);
         }
+        self.samples.set(self.samples.get() + 1);
+        let radius = cell.corners().map(|corner| squared_distance(&center, corner)).fold(0.0, f64::max).sqrt();
+        if let Some(is_inside) = self.sides[side].is_inside_around(&center, radius) {
+            return Some(is_inside != (side == 0 && self.goal.outside_first));
+        }
+        let first = self.counts(side, &center);
         // The winding number is harmonic here, so it is greatest and least on the boundary.
         let corners: Vec<&Vector> = cell.corners().collect();
         let pairs = corners.iter().enumerate().flat_map(|(at, a)| corners[at..].iter().map(move |b| (a, b)));

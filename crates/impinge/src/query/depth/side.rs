@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow::{self, Continue};
 
+use super::border::Border;
 use super::cell::Cell;
 use super::face::{Face, box_about, gap, world_box, world_corners};
 use super::facet::Facet;
@@ -49,6 +50,7 @@ pub(super) struct Side<'m> {
     /// Boxes about the holes of an open mesh. A cell that no face and none of these boxes reaches
     /// is on one side of the solid (docs/notes/proof.md, L19a).
     holes: Vec<[Vector; 2]>,
+    border: Border,
 }
 
 impl<'m> Side<'m> {
@@ -78,7 +80,8 @@ impl<'m> Side<'m> {
         let placement = Placement::new(&placed.world_from_mesh, &Pose::IDENTITY);
         let faces = near.found.into_iter().map(|(_, face)| face).collect();
         let holes = holes_near(&placed, &origin, (bounds, margin));
-        Self { placed, placement, origin, faces, facet_of, facets, holes }
+        let border = Border::new(&placed, &origin);
+        Self { placed, placement, origin, faces, facet_of, facets, holes, border }
     }
 
     /// Returns the facet of a face that supports the solid.
@@ -127,8 +130,24 @@ impl<'m> Side<'m> {
     /// Returns the position of a point of the search relative to the solid. The point is rounded to
     /// the world's numbers.
     pub(super) fn containment(&self, point: &Vector) -> Containment {
-        let world = add(point, &self.origin);
-        PointClassifier::new(self.placed.mesh).containment(&PosedPoint::new(&self.placement, Spot::At(world)))
+        PointClassifier::new(self.placed.mesh).containment(&self.posed(point))
+    }
+
+    fn posed(&self, point: &Vector) -> PosedPoint<'_> {
+        PosedPoint::new(&self.placement, Spot::At(add(point, &self.origin)))
+    }
+
+    /// Returns whether all points within a radius are inside the solid, if no face crosses the
+    /// straight way to them from the point in the middle. Returns `None` if that is not decided.
+    pub(super) fn is_inside_around(&self, point: &Vector, radius: f64) -> Option<bool> {
+        let variation = self.border.variation(point, radius);
+        // Winding numbers from 0 to 1 are no farther than that from 1/2.
+        if variation >= 0.5 {
+            return None;
+        }
+        let number = PointClassifier::new(self.placed.mesh).winding_number(&self.posed(point));
+        let [lower, upper] = [number.lower - variation, number.upper + variation];
+        if lower > 0.5 || upper < -0.5 { Some(true) } else { (lower >= -0.5 && upper <= 0.5).then_some(false) }
     }
 
     /// Returns the squared distance of a point from the nearest of some faces, the nearest point
