@@ -56,7 +56,8 @@ def test_clashes_have_the_bytes_of_a_local_call(cluster):
     poses = {name: impinge.pose(place) for name, place in zip(parts, rng.integers(-6, 7, (60, 3)) / 2, strict=True)}
     rooms = {"a": impinge.Scene(parts, poses=poses, ignored=[("part 0", "part 1")]), "b": impinge.Scene(parts)}
     rules = 'tolerance = 0.25\n[[rule]]\na = "*"\nb = "*"\nclearance = 0.5\n'
-    for options in ({"tolerance": 0.01, "contacts": True, "volume": True}, {"clearance": 0.5, "between": True}, {"rules": rules}):
+    listed = {"tolerance": 0.01, "contacts": True, "volume": True}
+    for options in (listed, {"clearance": 0.5, "between": True}, {"rules": rules}):
         local = impinge.clash(rooms, **options)
         shared = impinge.clash(rooms, on=cluster, **options)
         assert shared.to_json() == local.to_json()
