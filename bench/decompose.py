@@ -2,18 +2,16 @@
 
     python3 -m venv .venv && .venv/bin/pip install -r bench/requirements.txt .
     .venv/bin/pip install coacd==1.0.14
-    .venv/bin/python bench/decompose.py MESH ... [--share 0.025] [--picture FILE]
+    .venv/bin/python bench/decompose.py MESH ... [--share 0.025]
 
 Both get the same closed mesh, scaled so that its largest extent is 2, as CoACD does by itself, and
 the same threshold: `share` of the largest extent. The two measure concavity in different ways, so
 the table has one measure for both, from samples: the largest distance of a point of a hull from the
 solid, and the share of the points of the solid that no hull contains. It fails if a sample is
-outside of the hulls of impinge, or farther from the solid than its bound. `--picture` draws the
-parts of the last mesh.
+outside of the hulls of impinge, or farther from the solid than its bound.
 """
 
 import argparse
-import math
 import time
 from pathlib import Path
 
@@ -21,7 +19,6 @@ import coacd
 import impinge
 import numpy as np
 import record
-from PIL import Image, ImageDraw
 
 SAMPLES = 4000
 Hulls = list[tuple[np.ndarray, np.ndarray]]
@@ -37,9 +34,13 @@ def closed(path: str) -> impinge.Mesh:
 
 
 def samples(hulls: Hulls, rng: np.random.Generator) -> np.ndarray:
-    """Return points inside the hulls, as many in each."""
-    weights = [rng.dirichlet(np.full(len(vertices), 0.3), SAMPLES // len(hulls) + 1) for vertices, _ in hulls]
-    return np.vstack([weight @ vertices for weight, (vertices, _) in zip(weights, hulls, strict=True)])
+    """Return points inside the hulls, as many in each: each between four of its vertices."""
+    count = SAMPLES // len(hulls) + 1
+    inside = []
+    for vertices, _ in hulls:
+        weights = rng.dirichlet(np.full(4, 0.5), count)
+        inside.append(np.einsum("nk,nkx->nx", weights, vertices[rng.integers(0, len(vertices), (count, 4))]))
+    return np.vstack(inside)
 
 
 def measure(mesh: impinge.Mesh, hulls: Hulls) -> tuple[float, float]:
@@ -53,35 +54,12 @@ def measure(mesh: impinge.Mesh, hulls: Hulls) -> tuple[float, float]:
     return float(outside), float(1 - is_covered.mean())
 
 
-def draw(hulls: Hulls, path: Path) -> None:
-    """Draw the hulls from the front and above, each in a color of its own."""
-    size, margin = 900, 0.47
-    turn = impinge.pose(quat_wxyz=[0.83, -0.42, 0.33, 0.15] / np.linalg.norm([0.83, -0.42, 0.33, 0.15]))[:3, :3]
-    faces = []
-    for number, (vertices, triangles) in enumerate(hulls):
-        hue = number * 0.618034 % 1
-        color = np.array([0.5 + 0.35 * math.cos(math.tau * (hue + third)) for third in (0, 1 / 3, 2 / 3)])
-        corners = (vertices @ turn.T)[triangles]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-        shades = 0.35 + 0.65 * np.maximum(normals @ [0.3, 0.4, 0.87], 0)
-        faces += [(corner, color * shade) for corner, shade, normal in zip(corners, shades, normals, strict=True) if normal[2] > 0]
-    reach = max(np.abs(corner[:, :2]).max() for corner, _ in faces)
-    image = Image.new("RGB", (size, size), "white")
-    canvas = ImageDraw.Draw(image)
-    for corner, color in sorted(faces, key=lambda face: face[0][:, 2].mean()):
-        at = (0.5 + margin * corner[:, :2] / reach * [1, -1]) * size
-        canvas.polygon([tuple(point) for point in at], fill=tuple(int(255 * x) for x in color))
-    image.save(path)
-
-
 def main() -> None:
     """Print a row for each mesh and engine."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("meshes", nargs="+")
     parser.add_argument("--share", type=float, default=0.025)
     parser.add_argument("--max-parts", type=int, default=256)
-    parser.add_argument("--picture", type=Path)
     arguments = parser.parse_args()
     coacd.set_log_level("error")
     threshold = 2 * arguments.share
@@ -109,8 +87,6 @@ def main() -> None:
             )
             record.row(name, "parts", "1", len(hulls), engine)
             record.row(name, "time", "s", seconds, engine)
-        if arguments.picture:
-            draw(ours, arguments.picture)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ ALL_LAYERS = 0xFFFF_FFFF
 """Bit mask of all 32 layers."""
 
 MAX_NUMBER = 2**64 - 1
-"""Maximum value of a handle, an owner or a tag."""
+"""Maximum value of a handle, an owner, a surface or a tag."""
 
 
 def handle(body: int) -> int:
@@ -73,3 +73,8 @@ def poses_of(poses: ArrayLike | None, lead: tuple[int, ...]) -> NDArray[np.float
 def mask(layers: int, name: str) -> int:
     """Return a bit mask of layers as an int. Raise an `InputError` if it exceeds 32 bits."""
     return whole(layers, name, maximum=ALL_LAYERS)
+
+
+def surface_of(surface: int | None) -> int | None:
+    """Return the key of a surface or None. Raise an `InputError` if it exceeds 64 bits."""
+    return None if surface is None else whole(surface, "surface", maximum=MAX_NUMBER)

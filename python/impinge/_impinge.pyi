@@ -245,7 +245,7 @@ class ManagerContacts:
     def faces(self) -> list[NDArray[np.int64]]: ...
     def details(self) -> list[NDArray[np.float64]]: ...
 
-_Traits: TypeAlias = tuple[Any, int, int]
+_Traits: TypeAlias = tuple[Any, int, int, int | None]
 """Kind of a body, bit mask of its layers, and bit mask of the layers that it collides with."""
 
 _Handles: TypeAlias = NDArray[np.uint64]

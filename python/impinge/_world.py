@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from impinge import _arrays, _impinge
 from impinge._contacts import ContactRows, contact_rows
 from impinge._errors import InputError
-from impinge._handles import ALL_LAYERS, handle, handles_of, mask, numbers_of, poses_of
+from impinge._handles import ALL_LAYERS, handle, handles_of, mask, numbers_of, poses_of, surface_of
 from impinge._points import scalar
 from impinge._scalars import flag, real
 from impinge._shape import AnyShape, snapshot_of
@@ -81,6 +81,7 @@ class World(WorldQueries, WorldBodies):
         layers: int = ALL_LAYERS,
         meets: int = ALL_LAYERS,
         owner: ArrayLike | None = None,
+        surface: int | None = None,
         tag: ArrayLike = 0,
         realigned_by: Realignment = "own",
         margin: float = 0.0,
@@ -100,6 +101,10 @@ class World(WorldQueries, WorldBodies):
             unless each body collides with a layer of the other.
         owner : (...) array_like of integers, optional
             Bodies with the same owner, such as the limbs of one character, never collide.
+        surface : int, optional
+            Surface that the bodies are pieces of while they are ``"static"``, such as a floor of
+            tiles. Their contacts are those of one compound: nothing that slides or rolls over the
+            tiles meets the sides or edges between them. A pair may then have no contacts.
         tag : (...) array_like of integers
             Numbers chosen by the caller, by which reports are sorted.
         realigned_by : {"own", "rotated", "loose", "hull", "climbing"}
@@ -125,7 +130,7 @@ class World(WorldQueries, WorldBodies):
         poses = np.eye(4) if pose is None else _arrays.plain_poses(pose, "pose")
         lead = poses.shape[:-2]
         owners = None if owner is None else numbers_of(owner, "owner", lead)
-        traits = kind, mask(layers, "layers"), mask(meets, "meets")
+        traits = kind, mask(layers, "layers"), mask(meets, "meets"), surface_of(surface)
         placement = snapshot_of(shape), realigned_by, poses
         standing = traits, real(margin, "margin", minimum=0)
         return scalar(self._core.insert(placement, standing, owners, numbers_of(tag, "tag", lead)))
@@ -234,14 +239,15 @@ class World(WorldQueries, WorldBodies):
         layers: int = ALL_LAYERS,
         meets: int = ALL_LAYERS,
         owner: ArrayLike | None = None,
+        surface: int | None = None,
     ) -> None:
-        """Set kind, layers and owner of bodies, from the next step on; tags do not change.
+        """Set kind, layers, owner and surface of bodies, from the next step on; tags do not change.
 
         Parameters
         ----------
         bodies : int or (...) array_like of integers
             Handles of the bodies.
-        kind, layers, meets, owner
+        kind, layers, meets, owner, surface
             As for `insert`. All of them are set: an omitted argument is reset to its default.
 
         Raises
@@ -251,7 +257,8 @@ class World(WorldQueries, WorldBodies):
         """
         handles, lead = handles_of(bodies)
         owners = None if owner is None else numbers_of(owner, "owner", lead)
-        self._core.set_traits(handles, (kind, mask(layers, "layers"), mask(meets, "meets")), owners)
+        traits = kind, mask(layers, "layers"), mask(meets, "meets"), surface_of(surface)
+        self._core.set_traits(handles, traits, owners)
 
     def set_margin(self, bodies: ArrayLike, margin: float) -> None:
         """Set the margin of bodies, from the next step on, as for `insert`.

@@ -13,6 +13,7 @@ mod check;
 mod clash;
 mod completions;
 mod console;
+mod decompose;
 mod failure;
 mod fit;
 mod hits;
@@ -49,6 +50,7 @@ Examples:
   impinge clash a.stl b.stl                  Which parts clash?
   impinge inspect a.stl --picture boxes.png  Is the mesh sound?
   impinge bake a.stl -o a.impinge            Save it to load at once
+  impinge decompose a.stl -o parts.obj       Divide it into hulls
   impinge fit a.stl                          Which volume fits it best?
   impinge hits robot.glb --save parts.toml   Fit its hit volumes
 
@@ -71,6 +73,7 @@ enum Command {
     Check(check::Arguments),
     Clash(clash::Arguments),
     Completions(completions::Arguments),
+    Decompose(decompose::Arguments),
     Fit(fit::Arguments),
     Hits(hits::Arguments),
     Inspect(inspect::Arguments),
@@ -86,6 +89,7 @@ impl Command {
             Self::Check(arguments) => check::run(arguments),
             Self::Clash(arguments) => clash::run(arguments),
             Self::Completions(arguments) => completions::run(arguments, Cli::command()),
+            Self::Decompose(arguments) => decompose::run(arguments),
             Self::Fit(arguments) => fit::run(arguments),
             Self::Hits(arguments) => hits::run(arguments),
             Self::Inspect(arguments) => inspect::run(arguments),

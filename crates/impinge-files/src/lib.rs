@@ -102,6 +102,7 @@ pub use error::{LoadError, LoadErrorKind, Place};
 pub use format::Format;
 pub use limits::Limits;
 pub use model::{Model, Warning, WarningKind};
+pub use obj::{ObjPart, write_obj};
 pub use plain::escaped;
 pub use ply::write_ply;
 pub use regular_file::read_regular_file;

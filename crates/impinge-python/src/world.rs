@@ -134,7 +134,7 @@ impl WorldCore {
         let (shape, way, poses) = placement;
         let (body, made_of) = (Body::new(read_shape(&shape, "shape", false)?.shape), Source::object(&shape));
         let way = chosen(&way, "realigned_by", &REALIGNMENTS)?;
-        let (Traits { kind, layers, .. }, margin) = (traits(&standing.0)?, standing.1);
+        let (Traits { kind, layers, surface, .. }, margin) = (traits(&standing.0)?, standing.1);
         let (lead, poses) = poses::read_all(&poses, "pose")?;
         let body = py.detach(|| body.realigned_by(way)).map_err(|error| {
             Fault::new(kind_and_place(&error).0, "shape", message(&error)).hint(error.hint()).raised(py)
@@ -147,6 +147,9 @@ impl WorldCore {
                 let mut one = body.clone().at(pose).kind(kind).layers(layers).tag(tags[row]).with_margin(margin);
                 if let Some(owners) = &owners {
                     one = one.owner(owners[row]);
+                }
+                if let Some(surface) = surface {
+                    one = one.surface(surface);
                 }
                 match world.insert(one) {
                     Ok(id) => inserted.push(id),
@@ -281,7 +284,8 @@ impl WorldCore {
         set.map_err(|error| of_bodies(&error, &ids, "poses").raised(py))
     }
 
-    /// Sets the kind, layers and owner of bodies. If one handle is invalid, nothing changes.
+    /// Sets the kind, layers, owner and surface of bodies. If one handle is invalid, nothing
+    /// changes.
     fn set_traits(
         &self,
         bodies: &Handles<'_>,

@@ -16,9 +16,9 @@ pub(crate) type Placement<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'p
 /// Handles, one in each row of an array of u64.
 pub(crate) type Handles<'py> = Bound<'py, PyArray1<u64>>;
 
-/// Traits of bodies as Python passes them: the kind, the layers that a body is on, and the layers
-/// that it intersects.
-pub(crate) type TraitArguments<'py> = (Bound<'py, PyAny>, u32, u32);
+/// Traits of bodies as Python passes them: the kind, the layers that a body is on, the layers that
+/// it intersects, and the surface.
+pub(crate) type TraitArguments<'py> = (Bound<'py, PyAny>, u32, u32, Option<u64>);
 
 pub(crate) const BROAD_PHASES: [(&str, BroadPhase); 7] = [
     ("auto", BroadPhase::Auto),
@@ -61,9 +61,9 @@ pub(crate) fn chosen<T: Copy>(option: &Bound<'_, PyAny>, argument: &str, values:
     })
 }
 
-pub(crate) fn traits((kind, on, meets): &TraitArguments<'_>) -> PyResult<Traits> {
+pub(crate) fn traits((kind, on, meets, surface): &TraitArguments<'_>) -> PyResult<Traits> {
     let (kind, layers) = (chosen(kind, "kind", &KINDS)?, Layers { on: *on, meets: *meets });
-    Ok(Traits { kind, layers, ..Traits::default() })
+    Ok(Traits { kind, layers, surface: *surface, ..Traits::default() })
 }
 
 pub(crate) fn numbers(handles: &Handles<'_>) -> PyResult<Vec<u64>> {

@@ -23,7 +23,7 @@ use crate::shapes::read_shape;
 use crate::world_bodies::{BROAD_PHASES, KINDS, NARROW_PHASES, REALIGNMENTS, chosen};
 
 /// Version of the pickled data. Data of another version is rejected.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// Proximities of pairs as data. Pairs that are apart have no proximity.
 const PROXIMITIES: [Option<Proximity>; 3] = [None, Some(Proximity::Intersects), Some(Proximity::Undecided)];
@@ -99,8 +99,8 @@ impl WorldState {
 type ShapeTable<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 /// Table of bodies: poses, (n, 4, 4); traits, (n, 5), which are kind, layers, layers to intersect,
-/// change and realignment; owners, (n,); whether there is an owner, (n,); tags, (n,); and margins,
-/// (n,).
+/// change and realignment; owners and surfaces, (n, 2); whether there is an owner and a surface,
+/// (n, 2); tags, (n,); and margins, (n,).
 type BodyTable<'py> =
     (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
@@ -174,6 +174,7 @@ impl WorldState {
             let body =
                 body.clone().at(pose).kind(traits.kind).layers(traits.layers).tag(traits.tag).with_margin(margin);
             let body = if let Some(owner) = traits.owner { body.owner(owner) } else { body };
+            let body = if let Some(surface) = traits.surface { body.surface(surface) } else { body };
             recorded.push(RecordedBody { id, body, change });
         }
         let pairs = pairs_of(&pairs)?.ok_or_else(|| broken("the numbers of pairs"))?;
@@ -203,7 +204,8 @@ impl WorldState {
             let way = place(&REALIGNMENTS.map(|(_, way)| way), body.realignment());
             [place(&KINDS.map(|(_, kind)| kind), kind), layers.on, layers.meets, place(&CHANGES, *change), way]
         });
-        let owns = bodies.iter().map(|recorded| recorded.body.traits().owner.is_some());
+        let keys = bodies.iter().map(|recorded| [recorded.body.traits().owner, recorded.body.traits().surface]);
+        let has = keys.clone().map(|keys| keys.map(|key| key.is_some()));
         let poses = bodies.iter().map(|recorded| matrix(recorded.body.world_from_body()));
         let (options, pairs) = (&self.options, &record.pairs);
         let handles = pairs.iter().map(|pair| pair.bodies.map(BodyId::to_bits)).collect();
@@ -225,8 +227,8 @@ impl WorldState {
             (
                 array(py, poses.collect::<Vec<_>>().into_flattened(), &[count, 4, 4])?,
                 row_array(py, traits.collect(), &[count])?,
-                body_column(|recorded| recorded.body.traits().owner.unwrap_or(0))?,
-                array(py, owns.collect(), &[count])?,
+                row_array(py, keys.map(|keys| keys.map(|key| key.unwrap_or(0))).collect(), &[count])?,
+                row_array(py, has.collect(), &[count])?,
                 body_column(|recorded| recorded.body.traits().tag)?,
                 array(py, bodies.iter().map(|recorded| recorded.body.margin()).collect(), &[count])?,
             ),
@@ -281,17 +283,19 @@ fn append(objects: &mut Bound<'_, PyList>, source: &Source) -> PyResult<()> {
 }
 
 /// Returns the traits, the change and the realignment of each body of a table.
-fn traits_of((_, traits, owners, owns, tags, _): &BodyTable<'_>) -> PyResult<Vec<(Traits, Change, Realignment)>> {
+fn traits_of((_, traits, keys, has, tags, _): &BodyTable<'_>) -> PyResult<Vec<(Traits, Change, Realignment)>> {
     let traits: Vec<u32> = plain_column(traits)?;
-    let (owners, owns, tags): (Vec<u64>, Vec<bool>, Vec<u64>) =
-        (plain_column(owners)?, plain_column(owns)?, plain_column(tags)?);
-    let rows = traits.as_chunks().0.iter().zip(owners.into_iter().zip(owns).zip(tags));
-    let of = |(&[kind, on, meets, change, way], ((owner, owns), tag)): (&[u32; 5], ((u64, bool), u64))| {
+    let (keys, has, tags): (Vec<u64>, Vec<bool>, Vec<u64>) =
+        (plain_column(keys)?, plain_column(has)?, plain_column(tags)?);
+    let keys = keys.as_chunks::<2>().0.iter().zip(has.as_chunks::<2>().0);
+    let keys = keys.map(|(keys, has)| [0, 1].map(|which: usize| has[which].then_some(keys[which])));
+    let rows = traits.as_chunks().0.iter().zip(keys.zip(tags));
+    let of = |(&[kind, on, meets, change, way], ([owner, surface], tag)): (&[u32; 5], ([Option<u64>; 2], u64))| {
         let kind = KINDS.get(kind as usize).map_or_else(Default::default, |(_, kind)| *kind);
         let change = CHANGES.get(change as usize).copied().unwrap_or(Change::Traits);
         let way = REALIGNMENTS.get(way as usize).map_or_else(Default::default, |(_, way)| *way);
         let layers = impinge::world::Layers { on, meets };
-        (Traits { kind, layers, owner: owns.then_some(owner), tag }, change, way)
+        (Traits { kind, layers, owner, surface, tag }, change, way)
     };
     Ok(rows.map(of).collect())
 }

@@ -14,8 +14,8 @@ const TETRAHEDRON: &str = "solid t\n\
 
 const ROBOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/robot.glb");
 
-const COMMANDS: [&str; 10] =
-    ["bake", "check", "clash", "completions", "fit", "hits", "inspect", "man", "robot", "world"];
+const COMMANDS: [&str; 11] =
+    ["bake", "check", "clash", "completions", "decompose", "fit", "hits", "inspect", "man", "robot", "world"];
 
 /// Returns the commands of the section "Examples" of a help text.
 fn examples(help: &str) -> Vec<&str> {
@@ -25,7 +25,7 @@ fn examples(help: &str) -> Vec<&str> {
 }
 
 #[test]
-fn the_eleven_examples_of_the_help_run() {
+fn the_twelve_examples_of_the_help_run() {
     let folder = Folder::new();
     folder.write("a.stl", TETRAHEDRON);
     folder.write("b.stl", TETRAHEDRON);
@@ -35,7 +35,7 @@ fn the_eleven_examples_of_the_help_run() {
     let (_, section) = help.stdout.split_once("\nExamples:\n").unwrap();
     assert!(section.lines().all(|line| line.chars().count() <= 71), "{section}");
     let examples = examples(&help.stdout);
-    assert_eq!(examples.len(), 11);
+    assert_eq!(examples.len(), 12);
     for example in examples {
         let run = folder.run(example);
         assert!(run.code < 2 && run.stderr.is_empty(), "{example}: {run:?}");

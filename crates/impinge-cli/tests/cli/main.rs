@@ -4,6 +4,7 @@ mod answers;
 mod bake;
 mod clash;
 mod clash_bcf;
+mod decompose;
 mod distances;
 mod errors;
 mod files;

@@ -14,10 +14,13 @@
 //!   statement.
 
 mod statements;
+mod write;
 
 use std::collections::HashMap;
 
 use foldhash::fast::RandomState;
+
+pub use write::{ObjPart, write_obj};
 
 use crate::{
     encoding::PlainText,

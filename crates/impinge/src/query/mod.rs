@@ -99,3 +99,5 @@ pub use penetration::{Penetration, penetrates, penetration};
 pub use placed::Placed;
 pub use self_intersection::self_intersecting_pairs;
 pub use shapes::contacts::{ContactId, ContactPoint, Feature, Manifold, contacts};
+pub(crate) use shapes::contacts::{SurfacePair, contacts_of_surface};
+pub(crate) use shapes::seams::{Member, Surroundings};

@@ -103,6 +103,11 @@ pub struct Traits {
     /// Owner of the body. Bodies with the same owner never form a pair, for example the limbs of
     /// one character, or a weapon and its bearer.
     pub owner: Option<u64>,
+    /// Surface that the body is a piece of while it is [`Static`](Kind::Static), such as a floor of
+    /// tiles. Contacts with bodies of one surface are those of one compound
+    /// ([`contacts`](crate::query::contacts())): nothing that slides or rolls over the tiles meets
+    /// the sides or edges between them.
+    pub surface: Option<u64>,
     /// A number chosen by the user. Reports are sorted by it, so bodies with different tags are
     /// reported in the same order, whatever the order in which they were inserted.
     pub tag: u64,
@@ -154,7 +159,7 @@ impl Body {
         &self.world_from_body
     }
 
-    /// Returns the kind, layers, owner and tag of the body.
+    /// Returns the kind, layers, owner, surface and tag of the body.
     #[must_use]
     pub fn traits(&self) -> &Traits {
         &self.traits
@@ -198,6 +203,35 @@ impl Body {
     #[must_use]
     pub fn owner(mut self, owner: u64) -> Self {
         self.traits.owner = Some(owner);
+        self
+    }
+
+    /// Returns the same body as a piece of a surface, which matters while the body is
+    /// [`Static`](Kind::Static). A pair of the body has no manifold if its contacts are those of a
+    /// seam, and bodies beside it hold the other body.
+    ///
+    /// ```
+    /// use impinge::{Pose, shape::Shape, world::{Body, Kind, World}};
+    ///
+    /// let mut world = World::new();
+    /// let tile = Body::new(Shape::cuboid([5.0, 5.0, 0.5])?).kind(Kind::Static).surface(1);
+    /// for x in [-5.0, 5.0] {
+    ///     world.insert(tile.clone().at(Pose::from_translation([x, 0.0, -0.5])?))?;
+    /// }
+    /// // A crate 0.01 deep in the floor, 0.001 over the seam.
+    /// let crate_ = Body::new(Shape::cuboid([0.5; 3])?);
+    /// world.insert(crate_.at(Pose::from_translation([-0.499, 0.0, 0.49])?))?;
+    /// world.step(&[])?;
+    /// let mut manifolds = world.pairs().flat_map(|pair| pair.manifolds);
+    /// assert!(manifolds.all(|manifold| manifold.normal[2] > 0.999));
+    /// # Ok::<(), impinge::world::WorldError>(())
+    /// ```
+    ///
+    /// # Complexity
+    /// If a body of a surface changes, pairs of the bodies beside it are processed again.
+    #[must_use]
+    pub fn surface(mut self, surface: u64) -> Self {
+        self.traits.surface = Some(surface);
         self
     }
 

@@ -27,8 +27,10 @@ impl World {
     /// [`Input`](WorldError::Input) if the margin is not finite, negative or above 2^128.
     pub fn set_margin(&mut self, body: BodyId, margin: f64) -> Result<(), WorldError> {
         let place = body.index() as u32;
-        let resident = self.resident_mut(body)?;
+        self.resident(body)?;
         validate_margin(margin).map_err(|error| refused(body, error))?;
+        self.state.mark_neighbors(place);
+        let resident = self.resident_mut(body)?;
         resident.margin = margin;
         let (kind, bounds) = (resident.traits.kind, resident.bounds());
         self.state.update_bounds(kind, place, bounds);

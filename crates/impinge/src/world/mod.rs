@@ -34,6 +34,7 @@ mod changed;
 mod error;
 mod events;
 mod filter;
+mod filtering;
 mod margins;
 mod narrow;
 mod nearest;
@@ -49,6 +50,7 @@ mod search;
 mod slots;
 mod state;
 mod step;
+mod surfaces;
 
 pub use body::{Body, BodyId, Kind, Layers, Traits};
 pub use broad::BroadPhase;
@@ -169,8 +171,10 @@ impl World {
     pub fn insert(&mut self, body: Body) -> Result<BodyId, WorldError> {
         let mut resident = Resident::new(body)?;
         let (kind, bounds) = (resident.traits.kind, resident.bounds());
+        let is_of_surface = resident.traits.surface.is_some();
         let id = self.state.residents.insert(resident).ok_or(WorldError::Full)?;
         self.state.update_bounds(kind, id.index() as u32, bounds);
+        self.state.surface_bodies += usize::from(is_of_surface);
         self.state.changed.mark(id.index() as u32, Change::Traits);
         Ok(id)
     }
@@ -182,11 +186,13 @@ impl World {
     /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.
     pub fn remove(&mut self, body: BodyId) -> Result<Body, WorldError> {
         let index = self.resident(body).map(|_| body.index() as u32)?;
+        self.state.mark_neighbors(index);
         let links: Vec<Link> = self.state.pairs.of(index).to_vec();
         for link in links {
             self.state.remove_pair(link.pair);
         }
         let resident = self.state.residents.remove(body).ok_or(WorldError::Stale { body })?;
+        self.state.surface_bodies -= usize::from(resident.traits.surface.is_some());
         self.state.update_bounds(resident.traits.kind, index, Bounds::Nowhere);
         self.state.changed.forget(index);
         Ok(resident.into_body())
@@ -200,7 +206,7 @@ impl World {
         Ok(self.resident(body)?.placed.world_from_body())
     }
 
-    /// Returns the kind, layers, owner and tag of a body.
+    /// Returns the kind, layers, owner, surface and tag of a body.
     ///
     /// # Errors
     /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.
@@ -229,13 +235,16 @@ impl World {
         })
     }
 
-    /// Changes the kind, layers and owner of a body, from the next step on. The tag stays as it is,
-    /// because reports are sorted by it.
+    /// Changes the kind, layers, owner and surface of a body, from the next step on. The tag stays
+    /// as it is, because reports are sorted by it.
     ///
     /// # Errors
     /// Returns [`Stale`](WorldError::Stale) if the body is not in the world.
     pub fn set_traits(&mut self, body: BodyId, traits: Traits) -> Result<(), WorldError> {
         let (before, place) = (self.resident(body)?.traits, body.index() as u32);
+        self.state.mark_neighbors(place);
+        self.state.surface_bodies += usize::from(traits.surface.is_some());
+        self.state.surface_bodies -= usize::from(before.surface.is_some());
         if (before.kind == Kind::Moving) != (traits.kind == Kind::Moving) {
             let bounds = *self.state.bounds_of(place);
             self.state.update_bounds(before.kind, place, Bounds::Nowhere);
@@ -304,25 +313,6 @@ impl World {
         let shape = if placed.is_solid { Shape::solid(&mesh) } else { Shape::mesh(&mesh) };
         self.set_shape(body, &shape)?;
         Ok(mesh.aging())
-    }
-
-    /// Sets a filter, which decides about every pair that kinds, layers and owners admit, from the
-    /// next step on. The next step filters all pairs again.
-    pub fn set_filter(&mut self, filter: impl PairFilter + 'static) {
-        self.filter = Some(Arc::new(filter));
-        self.refilter();
-    }
-
-    /// Removes the filter, so that every pair is admitted that kinds, layers and owners admit, from
-    /// the next step on.
-    pub fn clear_filter(&mut self) {
-        self.filter = None;
-        self.refilter();
-    }
-
-    fn refilter(&mut self) {
-        let all: Vec<BodyId> = self.bodies().collect();
-        all.into_iter().for_each(|body| self.state.changed.mark(body.index() as u32, Change::Traits));
     }
 
     /// Returns a snapshot of everything that steps change.

@@ -168,6 +168,8 @@ impl Snapshot {
         let residents = Slots::of(&record.generations, &record.free, residents).ok_or(RecordError::Places)?;
         let broad = Broad::new(options.broad_phase);
         let mut state = State { residents, broad, departed: record.departed.clone(), ..State::default() };
+        let surfaces = record.bodies.iter().filter(|recorded| recorded.body.traits.surface.is_some());
+        state.surface_bodies = surfaces.count();
         for (kind, place, bounds, change) in places {
             state.update_bounds(kind, place, bounds);
             state.changed.mark(place, change);

@@ -20,6 +20,8 @@ pub(super) struct State {
     /// for every pair.
     pub(super) bounds: Vec<Bounds>,
     pub(super) broad: Broad,
+    /// Number of bodies that have a surface.
+    pub(super) surface_bodies: usize,
     pub(super) pairs: Pairs,
     /// Changes since the last step.
     pub(super) changed: Changed,
@@ -42,6 +44,7 @@ pub(super) struct Resident {
 impl State {
     /// Replaces the placed shape of a body, and its outline if there is a new one.
     pub(super) fn replace(&mut self, body: BodyId, placed: Placed, outline: Option<Arc<Outline>>) {
+        self.mark_neighbors(body.index() as u32);
         let Some(resident) = self.residents.get_mut(body) else { return };
         resident.placed = placed;
         if let Some(outline) = outline {

@@ -8,7 +8,7 @@ use super::body::{BodyId, Kind};
 use super::broad::KnownPairs;
 use super::error::WorldError;
 use super::events::{Events, Work};
-use super::narrow::Meeting;
+use super::narrow::{Meeting, NarrowPhase};
 use super::outline::{Bounds, Extremes};
 use super::placed::ValidPlacement;
 use super::search::{Candidates, MIN_TASK};
@@ -257,6 +257,7 @@ impl World {
     ) -> Result<Found, WorldError> {
         let changed = self.state.changed.places();
         let mut candidates = self.changed_candidates(&changed, known, budget)?;
+        self.add_surfaces(&changed, &mut candidates);
         candidates.kept.try_reserve(candidates.found.len())?;
         self.state.pairs.try_reserve(&candidates.found)?;
         observe(Phase::Broad);
@@ -267,6 +268,7 @@ impl World {
         let min_task = self.options.narrow_phase.min_task();
         let examined = kept.chain(found).with_min_len(min_task).map(|bodies| self.examine(bodies?, budget));
         examined.collect_into_vec(&mut meetings);
+        self.find_surface_contacts(&candidates, &mut meetings, budget);
         budget.check()?;
         let began = meetings[candidates.kept.len()..].iter().flatten().count();
         self.state.events.began.try_reserve(began)?;
@@ -281,7 +283,9 @@ impl World {
         }
         let [a, b] = bodies.map(|place| self.state.residents.at(place).map(|(_, resident)| resident));
         let (a, b) = (a?, b?);
-        self.options.narrow_phase.examine(&a.placed, &b.placed, a.margin + b.margin, budget)
+        let is_of_surface = self.is_of_surface(bodies);
+        let narrow_phase = if is_of_surface { NarrowPhase::Intersections } else { self.options.narrow_phase };
+        narrow_phase.examine(&a.placed, &b.placed, a.margin + b.margin, budget)
     }
 
     /// Stores the pairs and the results of the narrow phase, and reports the pairs that began and

@@ -1,7 +1,7 @@
 //! Contacts of two things: where they touch or overlap, as a contact solver needs it.
 
 use super::fields::{Field, crop_around, crop_near, crops_near, rename, surface_of_crop};
-use super::seams::{OfParts, across_seams, remove_buried};
+use super::seams::{Member, OfParts, Surroundings, across_seams, remove_buried};
 use super::search::depth_by_search;
 use super::surfaces::surface_of;
 use super::table::{gap_of_boxes, nearness_of_parts, pairs_near};
@@ -111,41 +111,88 @@ impl Query<'_> {
     pub fn contacts<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<Manifold> {
         let (a, b) = (a.into(), b.into());
         let ContactOptions { margin, most_points } = self.contacts;
-        let found = contacts_within(&a.shape(), &b.shape(), margin.max(0.0), self.options.budget).into_iter().map(
-            |OfParts { numbers, mut contacts, .. }| {
-                contacts.keep(most_points);
-                manifold(numbers, &contacts)
-            },
-        );
-        found.collect()
+        let found = contacts_within(&a.shape(), &b.shape(), margin.max(0.0), self.options.budget);
+        found.into_iter().map(|of_parts| manifold(of_parts, most_points)).collect()
     }
 }
 
 /// Returns the contacts of two shapes within a margin, with the parts that they belong to. If the
 /// budget is spent, some are missing.
 fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Budget<'_>) -> Vec<OfParts> {
-    let mut found = Vec::new();
     if let ([a], [b]) = (a.parts(), b.parts()) {
-        if !budget.is_spent()
-            && gap_of_boxes(a, b) <= margin
-            && nearness_of_parts(a, b, margin, budget) != Proximity::Apart
+        if budget.is_spent()
+            || gap_of_boxes(a, b) > margin
+            || nearness_of_parts(a, b, margin, budget) == Proximity::Apart
         {
-            found.extend(contacts_of_parts(a, b, margin, budget).into_iter().map(OfParts::alone));
+            return Vec::new();
         }
-        return found;
+        return contacts_of_parts(a, b, margin, budget).into_iter().map(OfParts::alone).collect();
     }
+    let mut found = with_seams(a, b, [0, 1], [a, b], margin, budget);
+    remove_buried(&mut found);
+    found
+}
+
+/// Returns the contacts of all parts of two shapes, which have the given numbers and surroundings.
+/// Buried contacts are among them.
+fn with_seams(
+    a: &PlacedShape,
+    b: &PlacedShape,
+    bodies: [u32; 2],
+    surroundings: [&dyn Surroundings; 2],
+    margin: f64,
+    budget: &Budget<'_>,
+) -> Vec<OfParts> {
+    let mut found = Vec::new();
     for numbers in pairs_near(a, b, margin) {
         if budget.is_spent() {
             break;
         }
         let (part_a, part_b) = (&a.parts()[numbers[0] as usize], &b.parts()[numbers[1] as usize]);
         if nearness_of_parts(part_a, part_b, margin, budget) != Proximity::Apart {
+            let members = [0, 1].map(|side| Member { body: bodies[side], part: numbers[side] });
             let of_parts = contacts_of_parts(part_a, part_b, margin, budget).into_iter();
-            found.extend(of_parts.map(|contacts| across_seams([a, b], numbers, contacts, margin)));
+            found.extend(
+                of_parts.map(|contacts| across_seams(surroundings, [part_a, part_b], members, contacts, margin)),
+            );
         }
     }
-    remove_buried(&mut found);
     found
+}
+
+/// Two shapes in contact, one of which is a part of a surface of several shapes.
+pub(crate) struct SurfacePair<'s> {
+    pub(crate) shapes: [&'s PlacedShape; 2],
+    /// Numbers of the shapes. Different shapes have different numbers.
+    pub(crate) bodies: [u32; 2],
+    /// Which of the two shapes is a part of the surface: 0 or 1.
+    pub(crate) surface: usize,
+    pub(crate) margin: f64,
+}
+
+/// Computes the contacts of one shape with several others that are parts of one surface, as if
+/// these were a compound. Returns the manifolds of each pair. If the budget is spent, some are
+/// missing.
+pub(crate) fn contacts_of_surface(
+    pairs: &[SurfacePair<'_>],
+    surface: &dyn Surroundings,
+    budget: &Budget<'_>,
+) -> Vec<Vec<Manifold>> {
+    let mut found = Vec::new();
+    for SurfacePair { shapes: [a, b], bodies, surface: side, margin } in pairs {
+        let surroundings =
+            if *side == 0 { [surface, *b as &dyn Surroundings] } else { [*a as &dyn Surroundings, surface] };
+        found.extend(with_seams(a, b, *bodies, surroundings, *margin, budget));
+    }
+    remove_buried(&mut found);
+    let mut manifolds: Vec<Vec<Manifold>> = pairs.iter().map(|_| Vec::new()).collect();
+    for of_parts in found {
+        let bodies = of_parts.members.map(|member| member.body);
+        if let Some(at) = pairs.iter().position(|pair| pair.bodies == bodies) {
+            manifolds[at].push(manifold(of_parts, ContactOptions::default().most_points));
+        }
+    }
+    manifolds
 }
 
 fn contacts_of_parts(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Budget<'_>) -> Vec<Contacts> {
@@ -250,11 +297,13 @@ fn of_surfaces(a: &Surface<'_>, b: &Surface<'_>, margin: f64, budget: &Budget<'_
     vec![Contacts { normal: unit(between), contacts: vec![contact] }]
 }
 
-fn manifold([part_a, part_b]: [u32; 2], found: &Contacts) -> Manifold {
-    let points = found.contacts.iter().map(|contact| {
+fn manifold(OfParts { members, mut contacts, .. }: OfParts, most_points: usize) -> Manifold {
+    contacts.keep(most_points);
+    let [part_a, part_b] = members.map(|member| member.part);
+    let points = contacts.contacts.iter().map(|contact| {
         let ([point_a, point_b], [feature_a, feature_b]) = (contact.points, contact.features);
         let id = ContactId { part_a, part_b, feature_a, feature_b };
         ContactPoint { point_a, point_b, lower: contact.lower, upper: contact.upper, id }
     });
-    Manifold { normal: found.normal, points: points.collect() }
+    Manifold { normal: contacts.normal, points: points.collect() }
 }

@@ -10,7 +10,7 @@ mod beyond;
 pub(super) mod contacts;
 mod directions;
 mod fields;
-mod seams;
+pub(super) mod seams;
 pub(super) mod search;
 mod spheres;
 mod surfaces;

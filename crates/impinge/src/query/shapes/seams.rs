@@ -1,15 +1,16 @@
-//! Contacts at the seams of a compound: between parts that lie side by side.
+//! Contacts at the seams of a surface of several parts: the parts of a compound, or bodies of a
+//! world, that lie side by side.
 //!
 //! The side of a tile in a floor of tiles is no surface of the floor, and its edge is no edge. A
 //! crate that is deeper in the floor than it is over the next tile would be pushed back at the seam
 //! if each tile were alone. A ball would be pushed back by the edge that it has left. So a normal
-//! is buried if it leads from all points of a contact nearer to other parts of the same compound.
+//! is buried if it leads from all points of a contact nearer to other parts of the same surface.
 //! It is replaced by the normal of a facet that is not buried. Without such a facet the contact is
 //! left out, if those other parts have contacts with the same part of the other shape.
 //!
 //! Only convex parts bury others, and only they are buried. Contacts with half-spaces stay. The
 //! tests are `a_crate_on_flush_tiles_is_only_lifted` and the two after it in
-//! `tests/it/shapes/mesh_contacts.rs`.
+//! `tests/it/shapes/mesh_contacts.rs`, and `tests/it/worlds/tiles.rs`.
 
 use std::collections::HashSet;
 
@@ -27,19 +28,45 @@ const BESIDE: f64 = 1.0 / (1 << 16) as f64;
 /// lean by up to 0.1 degrees.
 const NEARER: f64 = 1.0 - 1.0 / (1 << 20) as f64;
 
-/// The contacts of two parts, which are given by their numbers.
+/// A part of a shape. All shapes of a query have different numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct Member {
+    /// Number of the shape.
+    pub(crate) body: u32,
+    /// Number of the part in the shape.
+    pub(crate) part: u32,
+}
+
+/// The parts of a surface: those of one shape, or of several.
+pub(crate) trait Surroundings {
+    /// Visits the parts beside the part `own` that may be within `near` of a point, in any order.
+    /// They may include `own` itself.
+    fn for_each_near(&self, own: Member, point: [f64; 3], near: f64, visit: &mut dyn FnMut(Member, &PlacedShape));
+}
+
+impl Surroundings for PlacedShape {
+    fn for_each_near(&self, own: Member, point: [f64; 3], near: f64, visit: &mut dyn FnMut(Member, &PlacedShape)) {
+        if self.parts().len() > 1 {
+            for part in self.parts_near(Some([point; 2]), near) {
+                visit(Member { part, ..own }, &self.parts()[part as usize]);
+            }
+        }
+    }
+}
+
+/// The contacts of two parts.
 pub(super) struct OfParts {
-    pub(super) numbers: [u32; 2],
+    pub(super) members: [Member; 2],
     pub(super) contacts: Contacts,
     /// For each point on either shape the other parts that its normal leads to. Empty if the normal
     /// leads out of both shapes.
-    buried_by: [Vec<Vec<u32>>; 2],
+    buried_by: [Vec<Vec<Member>>; 2],
 }
 
 impl OfParts {
     /// Returns the contacts of two shapes of one part each.
     pub(super) fn alone(contacts: Contacts) -> Self {
-        Self { numbers: [0; 2], contacts, buried_by: Default::default() }
+        Self { members: [0, 1].map(|body| Member { body, part: 0 }), contacts, buried_by: Default::default() }
     }
 
     fn is_buried(&self) -> bool {
@@ -50,52 +77,69 @@ impl OfParts {
 /// Leaves out contacts that are buried by parts which have contacts themselves, with the same part
 /// of the other shape.
 pub(super) fn remove_buried(found: &mut Vec<OfParts>) {
-    let outside: HashSet<[u32; 2]> =
-        found.iter().filter(|of_parts| !of_parts.is_buried()).map(|of_parts| of_parts.numbers).collect();
+    // The surface may be the first shape in one pair and the second in another.
+    let pair = |one: Member, other: Member| [one.min(other), one.max(other)];
+    let outside: HashSet<[Member; 2]> = found
+        .iter()
+        .filter(|of_parts| !of_parts.is_buried())
+        .map(|of_parts| pair(of_parts.members[0], of_parts.members[1]))
+        .collect();
     found.retain(|of_parts| {
-        let [a, b] = of_parts.numbers;
+        let [a, b] = of_parts.members;
+        let is_held = |by: &[Vec<Member>], other: Member| {
+            by.iter().all(|parts| parts.iter().any(|&part| outside.contains(&pair(part, other))))
+        };
         let [by_a, by_b] = &of_parts.buried_by;
-        let is_held = by_a.iter().all(|parts| parts.iter().any(|&part| outside.contains(&[part, b])))
-            && by_b.iter().all(|parts| parts.iter().any(|&part| outside.contains(&[a, part])));
-        !of_parts.is_buried() || !is_held
+        !(of_parts.is_buried() && is_held(by_a, b) && is_held(by_b, a))
     });
 }
 
-/// Finds the parts that bury the contacts of two parts of two shapes. Replaces contacts that are
-/// buried by those along the normal of a facet that is not.
-pub(super) fn across_seams(shapes: [&PlacedShape; 2], numbers: [u32; 2], contacts: Contacts, margin: f64) -> OfParts {
-    let parts = [0, 1].map(|side| &shapes[side].parts()[numbers[side] as usize]);
+/// Finds the parts that bury the contacts of two parts, each in its surroundings. Replaces contacts
+/// that are buried by those along the normal of a facet that is not.
+pub(super) fn across_seams(
+    surroundings: [&dyn Surroundings; 2],
+    parts: [&PlacedShape; 2],
+    members: [Member; 2],
+    contacts: Contacts,
+    margin: f64,
+) -> OfParts {
     if parts.iter().any(|part| matches!(part.form(), Form::HalfSpace(_))) {
-        return OfParts { numbers, contacts, buried_by: Default::default() };
+        return OfParts { members, contacts, buried_by: Default::default() };
     }
     let step = BESIDE * size(parts[0]).min(size(parts[1]));
-    let judged = |contacts: Contacts| {
-        let buried_by = [0, 1].map(|side| buriers(shapes[side], numbers[side], &contacts, side, step));
-        OfParts { numbers, contacts, buried_by }
+    let compared = |contacts: Contacts| {
+        let buried_by = [0, 1].map(|side| match parts[side].form() {
+            Form::Convex(_) => buriers(surroundings[side], members[side], &contacts, side, step),
+            Form::HalfSpace(_) | Form::Surface(_) | Form::Field(_) => Vec::new(),
+        });
+        OfParts { members, contacts, buried_by }
     };
-    let found = judged(contacts);
+    let found = compared(contacts);
     if let (true, Form::Convex(swept_a), Form::Convex(swept_b)) =
         (found.is_buried() && found.contacts.deepest() >= 0.0, parts[0].form(), parts[1].form())
     {
         let others = contacts_along_facets(&parts[0].faceted(swept_a), &parts[1].faceted(swept_b), margin);
-        if let Some(other) = others.into_iter().map(judged).find(|other| !other.is_buried()) {
+        if let Some(other) = others.into_iter().map(compared).find(|other| !other.is_buried()) {
             return other;
         }
     }
     found
 }
 
-/// Returns for each contact point of one part the other parts of the shape that its normal leads
-/// to. Returns no list at all if some point leads to no other part.
-fn buriers(shape: &PlacedShape, own: u32, contacts: &Contacts, side: usize, step: f64) -> Vec<Vec<u32>> {
-    if shape.parts().len() == 1 || !matches!(shape.parts()[own as usize].form(), Form::Convex(_)) {
-        return Vec::new();
-    }
+/// Returns for each contact point of one part the other parts that its normal leads to. Returns no
+/// list at all if some point leads to no other part.
+fn buriers(
+    surroundings: &dyn Surroundings,
+    own: Member,
+    contacts: &Contacts,
+    side: usize,
+    step: f64,
+) -> Vec<Vec<Member>> {
     let outward = if side == 0 { step } else { -step };
     let mut lists = Vec::new();
     for contact in &contacts.contacts {
         let beside = std::array::from_fn(|k| contact.points[side][k] + outward * contacts.normal[k]);
-        let near = others_near(shape, own, beside, NEARER * step);
+        let near = others_near(surroundings, own, beside, NEARER * step);
         if near.is_empty() {
             return Vec::new();
         }
@@ -110,15 +154,21 @@ fn size(part: &PlacedShape) -> f64 {
 
 /// Returns the parts other than the given one that are within `near` of a point: convex parts and
 /// half-spaces.
-fn others_near(shape: &PlacedShape, own: u32, point: [f64; 3], near: f64) -> Vec<u32> {
+fn others_near(surroundings: &dyn Surroundings, own: Member, point: [f64; 3], near: f64) -> Vec<Member> {
     let corner = [point];
-    let point = Swept { core: Core::Points(&corner), pose: &Pose::IDENTITY, radius: [0.0; 2] };
-    let is_near = |part: u32| match shape.parts()[part as usize].form() {
-        Form::Convex(other) => convex::nearness(&other, &point, near) == Proximity::Intersects,
-        Form::HalfSpace(plane) => plane.nearness(&point, near) == Proximity::Intersects,
+    let swept = Swept { core: Core::Points(&corner), pose: &Pose::IDENTITY, radius: [0.0; 2] };
+    let is_near = |part: &PlacedShape| match part.form() {
+        Form::Convex(other) => convex::nearness(&other, &swept, near) == Proximity::Intersects,
+        Form::HalfSpace(plane) => plane.nearness(&swept, near) == Proximity::Intersects,
         Form::Surface(_) | Form::Field(_) => false,
     };
-    shape.parts_near(Some([corner[0]; 2]), near).into_iter().filter(|&part| part != own && is_near(part)).collect()
+    let mut found = Vec::new();
+    surroundings.for_each_near(own, point, near, &mut |member, part| {
+        if member != own && is_near(part) {
+            found.push(member);
+        }
+    });
+    found
 }
 
 #[cfg(test)]
@@ -128,14 +178,15 @@ mod tests {
     /// Returns the numbers of contacts that remain, given the numbers of all, each with the part of
     /// the first shape that buries it.
     fn remaining(all: &[([u32; 2], Option<u32>)]) -> Vec<[u32; 2]> {
-        let of_parts = |&(numbers, buried_by): &([u32; 2], Option<u32>)| OfParts {
-            numbers,
+        let member = |body: u32, part: u32| Member { body, part };
+        let of_parts = |&([a, b], buried_by): &([u32; 2], Option<u32>)| OfParts {
+            members: [member(0, a), member(1, b)],
             contacts: Contacts { normal: [0.0, 0.0, 1.0], contacts: Vec::new() },
-            buried_by: [buried_by.map(|part| vec![part]).into_iter().collect(), Vec::new()],
+            buried_by: [buried_by.map(|part| vec![member(0, part)]).into_iter().collect(), Vec::new()],
         };
         let mut found: Vec<OfParts> = all.iter().map(of_parts).collect();
         remove_buried(&mut found);
-        found.iter().map(|of_parts| of_parts.numbers).collect()
+        found.iter().map(|of_parts| of_parts.members.map(|member| member.part)).collect()
     }
 
     #[test]

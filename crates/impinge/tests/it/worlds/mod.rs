@@ -13,6 +13,7 @@ mod rays;
 mod record;
 mod shapes;
 mod surfaces;
+mod tiles;
 
 use impinge::Pose;
 use impinge_testkit::generate::{Rng, poses};
