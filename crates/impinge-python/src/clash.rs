@@ -12,21 +12,24 @@ use impinge_files::{
     Asked, Length, Limits, LoadError, ReportAbout, RulesFile, RulesFormat, SceneAbout, Unit, length_text,
     load_previous, load_rules, parse_previous, parse_rules, write_clash_csv, write_clash_json,
 };
-use impinge_report::html::write_clash_page;
+use impinge_report::bcf::{BcfError, is_bcf, load_previous_bcf};
+use impinge_report::picture::Axis;
 use pyo3::prelude::*;
 
+use crate::clash_files::ClashFiles;
 use crate::errors::{Fault, content_error, error_at, load_error};
 use crate::model::unit_of;
+use crate::pictures::axis;
 use crate::poses;
 use crate::question::Progress;
 use crate::shapes::read_shape;
 use crate::workers::{self, Call};
 
 /// Version of the package, which reports state.
-const VERSION: &str = env!("CARGO_PKG_VERSION");
+pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// A part as Python passes it: its name, its mesh or shape, its pose, and its key, type and path.
-type Part<'py> = (String, Bound<'py, PyAny>, Bound<'py, PyAny>, (String, String, Vec<String>));
+pub(crate) type Part<'py> = (String, Bound<'py, PyAny>, Bound<'py, PyAny>, (String, String, Vec<String>));
 
 /// A scene as Python passes it: its label, its parts, and pairs of indices of parts that are
 /// ignored.
@@ -49,9 +52,11 @@ pub(crate) enum Source {
 }
 
 /// A question about some scenes.
-struct Search {
+pub(crate) struct Search {
     scenes: Vec<(String, Scene)>,
-    unit: Option<Unit>,
+    pub(crate) unit: Option<Unit>,
+    /// The axis that points up.
+    pub(crate) up: Axis,
     tolerance: Option<f64>,
     /// The question. Its tolerance is that of the option or of the rules, if there is one.
     asked: Asked,
@@ -70,47 +75,26 @@ struct Found {
     sentences: Vec<String>,
     /// Groups by part, by type and by scene.
     groups: Vec<(&'static str, Vec<GroupRow>)>,
-    page: ClashPage,
-}
-
-/// Report with its scenes, from which a page is written.
-#[pyclass(frozen, module = "impinge._impinge")]
-pub(crate) struct ClashPage {
-    search: Arc<Search>,
-    report: Arc<Report>,
-}
-
-#[pymethods]
-impl ClashPage {
-    /// Returns the page that shows the report in a browser.
-    fn html(&self, py: Python<'_>) -> PyResult<String> {
-        let (search, report) = (Arc::clone(&self.search), Arc::clone(&self.report));
-        workers::run(py, move |_| {
-            let sides = search.sides();
-            let mut page = Vec::new();
-            // Writing to a list of bytes cannot fail, and the page is UTF-8.
-            let _ = write_clash_page(&mut page, &sides, &report, &search.about(&sides), VERSION);
-            String::from_utf8_lossy(&page).into_owned()
-        })
-    }
+    files: ClashFiles,
 }
 
 /// A group: the names that its clashes share, the indices of the clashes, and a sentence.
 type GroupRow = (Vec<String>, Vec<usize>, String);
 
-/// Finds the clashes of some scenes. `lengths` are the tolerance and the clearance, and `flags` say
+/// Finds the clashes of some scenes. `up` names the axis that points up. `lengths` are the tolerance and the clearance, and `flags` say
 /// whether only parts of different scenes are compared, and whether contacts are listed.
 #[pyfunction]
 pub(crate) fn clash<'py>(
     py: Python<'py>,
     scenes: Vec<Labeled<'py>>,
-    unit: Option<&str>,
+    unit_and_up: (Option<&str>, &str),
     lengths: (Option<LengthOption>, Option<LengthOption>),
     flags: (bool, bool),
     files: (Option<Source>, Option<Source>),
     progress: Progress,
 ) -> PyResult<Bound<'py, PyAny>> {
     let Progress(progress) = progress;
+    let (unit, up) = unit_and_up;
     let unit = unit_of(py, unit)?;
     let scenes = scenes.into_iter().map(|labeled| scene(py, labeled)).collect::<PyResult<Vec<_>>>()?;
     let (tolerance, clearance) = lengths;
@@ -136,7 +120,7 @@ pub(crate) fn clash<'py>(
         previous: previous_path,
         ..Asked::default()
     };
-    let search = Arc::new(Search { scenes, unit, tolerance, asked, rules, previous });
+    let search = Arc::new(Search { scenes, unit, up: axis(up), tolerance, asked, rules, previous });
     let rows = if progress { count(py, &search)? } else { 0 };
     let asking = Arc::clone(&search);
     let work = move |execution: Execution<'_>| match found(&asking, execution) {
@@ -160,6 +144,16 @@ fn count(py: Python<'_>, search: &Arc<Search>) -> PyResult<usize> {
 }
 
 fn scene(py: Python<'_>, (label, parts, ignored): Labeled<'_>) -> PyResult<(String, Scene)> {
+    let mut scene = scene_of(py, parts)?;
+    let ids: Vec<PartId> = scene.parts().collect();
+    for (a, b) in ignored {
+        scene.ignore(ids[a], ids[b]);
+    }
+    Ok((label, scene))
+}
+
+/// Returns a scene of parts.
+pub(crate) fn scene_of(py: Python<'_>, parts: Vec<Part<'_>>) -> PyResult<Scene> {
     let mut scene = Scene::new();
     for (name, thing, given, (key, kind, path)) in parts {
         let argument = format!("poses[{name:?}]");
@@ -171,11 +165,7 @@ fn scene(py: Python<'_>, (label, parts, ignored): Labeled<'_>) -> PyResult<(Stri
         })?;
         scene.set_details(part, Details { key, kind, path, extras: Vec::new() });
     }
-    let ids: Vec<PartId> = scene.parts().collect();
-    for (a, b) in ignored {
-        scene.ignore(ids[a], ids[b]);
-    }
-    Ok((label, scene))
+    Ok(scene)
 }
 
 fn read_length(py: Python<'_>, option: Option<LengthOption>, name: &str, unit: Option<Unit>) -> PyResult<Option<f64>> {
@@ -206,13 +196,26 @@ fn read_rules(py: Python<'_>, source: &Source, unit: Option<Unit>) -> PyResult<R
 fn read_previous(py: Python<'_>, source: &Source, unit: Option<Unit>) -> PyResult<Previous> {
     let content = |error: LoadError| content_error(py, "previous", &error);
     match source {
+        Source::Path(path) if is_bcf(path) => {
+            let unit = unit.ok_or_else(|| no_unit(py))?;
+            load_previous_bcf(path, unit).map_err(|error| match error {
+                BcfError::Io(error) => std::io::Error::new(error.kind(), format!("{path}: {error}")).into(),
+                invalid => error_at(py, "bcf", path, None, &invalid.to_string(), None),
+            })
+        }
         Source::Path(path) => load_previous(path, unit, &Limits::default()).map_err(|error| load_error(py, &error)),
         Source::Content([text]) => parse_previous(text.as_bytes(), unit).map_err(content),
     }
 }
 
+/// Returns the exception for scenes without a unit, of which BCF files need one.
+pub(crate) fn no_unit(py: Python<'_>) -> PyErr {
+    let fault = Fault::new("unit", "scenes", "state no unit, and BCF is in meters");
+    fault.hint(Some("pass unit= to load_scene")).raised(py)
+}
+
 impl Search {
-    fn sides(&self) -> Vec<Side<'_>> {
+    pub(crate) fn sides(&self) -> Vec<Side<'_>> {
         self.scenes.iter().map(|(label, scene)| Side { label: label.clone(), scene }).collect()
     }
 
@@ -228,7 +231,7 @@ impl Search {
         Ok(Job::new(&sides, self.options(&sides), budget)?.candidates())
     }
 
-    fn about(&self, sides: &[Side<'_>]) -> ReportAbout<'_> {
+    pub(crate) fn about(&self, sides: &[Side<'_>]) -> ReportAbout<'_> {
         let options = self.options(sides);
         let scene = |(label, scene): &(String, Scene)| SceneAbout {
             unit: self.unit.map(Unit::symbol),
@@ -279,7 +282,7 @@ fn found(search: &Arc<Search>, execution: Execution<'_>) -> Result<Found, ClashE
         counts: counts(&report.counts),
         sentences: report.clashes.iter().map(|clash| clash.sentence(&length)).collect(),
         groups: groups.map(|(name, grouping)| (name, group_rows(&report, grouping, &length))).into(),
-        page: ClashPage { search: Arc::clone(search), report: Arc::new(report) },
+        files: ClashFiles::new(search, report),
     })
 }
 
