@@ -45,7 +45,7 @@ b = "plates"
 
 
 def picture(_: Command) -> None:
-    """The human, a torus knot around it, and the curves in which they intersect."""
+    """Draw the human, a torus knot around it, and the curves in which they intersect."""
     knot = impinge.Mesh(*torus_knot(200, 50))
     pose = np.loadtxt(DATA / "torus_knot_on_human.txt")
     human = impinge.load(HUMAN)
@@ -53,7 +53,7 @@ def picture(_: Command) -> None:
 
 
 def clash(run: Command) -> None:
-    """A dowel of the gearbox, and the plate that it enters."""
+    """Draw a dowel of the gearbox, and the plate that it enters."""
     run.folder.joinpath("rules.toml").write_text(RULES)
     # The numbers of the file are millimeters, although glTF is in meters.
     gearbox = DATA / "cad_cycloidal_gearbox.glb"
@@ -64,18 +64,18 @@ def clash(run: Command) -> None:
 
 
 def characters(run: Command) -> None:
-    """Frames of a punch, with the hit volumes."""
+    """Draw frames of a punch, with the hit volumes."""
     out = IMAGES / "characters.png"
     run(0, "hits", DATA / "robot.glb", "--animation", "Robot_Punch", "--picture", out)
 
 
 def hierarchy(run: Command) -> None:
-    """The boxes of one level of a hierarchy."""
+    """Draw the boxes of one level of a hierarchy."""
     run(0, "inspect", HUMAN, "--level", "2", "--picture", IMAGES / "hierarchy.png")
 
 
 def shapes(_: Command) -> None:
-    """Shapes of all kinds on a height field."""
+    """Draw shapes of all kinds on a height field."""
     x, y = np.meshgrid(np.linspace(0, 12, 61), np.linspace(0, 8, 41))
     heights = 0.3 * np.sin(0.9 * x) * np.cos(0.8 * y) - 0.25
     kinds = {
@@ -94,7 +94,7 @@ def shapes(_: Command) -> None:
 
 
 def convex_parts(_: Command) -> None:
-    """The convex parts of a torus knot, moved apart."""
+    """Draw the convex parts of a torus knot, moved apart."""
     knot = impinge.Mesh(*torus_knot(160, 16))
     parts = knot.convex_parts(concavity=0.25, max_parts=40).parts
     hulls = {str(at): impinge.Shape.hull(part.vertices) for at, part in enumerate(parts)}
@@ -104,20 +104,20 @@ def convex_parts(_: Command) -> None:
 
 
 def clash_page(run: Command) -> None:
-    """The page of a report of clashes."""
+    """Draw the page of a report of clashes."""
     run(1, "clash", DATA / "cad_cycloidal_gearbox.glb", "--view", "page.html")
     screenshot(run.folder / "page.html", IMAGES / "clash-page.png", "n")
 
 
 def check_page(run: Command) -> None:
-    """The page of two meshes."""
+    """Draw the page of two meshes."""
     arguments = ["--pose-b", "0.45,0.1,0.1", "--up", "y", "--view", "page.html"]
     run(1, "check", HUMAN, HUMAN, *arguments)
     screenshot(run.folder / "page.html", IMAGES / "check-page.png", "f")
 
 
 def robot_page(run: Command) -> None:
-    """The page of a robot on a path that collides."""
+    """Draw the page of a robot on a path that collides."""
     path = ROOT / "viewer" / "test" / "path.csv"
     arguments = ["--srdf", GANTRY.with_suffix(".srdf"), "--path", path, "--view", "page.html"]
     run(1, "robot", "motion", GANTRY, *arguments)

@@ -248,7 +248,7 @@ class ClashReport:
         path: str | os.PathLike[str] | None = None,
         size: tuple[int, int] = (960, 720),
     ) -> Picture:
-        """Draw a clash: its two parts in color among ghosts, and the curves in which they intersect.
+        """Draw a clash: two parts in color among ghosts, and the curves in which they intersect.
 
         The first part is blue and the second is orange. The direction is one from which the contact
         is visible.

@@ -15,7 +15,9 @@ from impinge._scalars import path_of, whole
 
 
 class Picture:
-    """A picture that `show` or `ClashReport.picture` drew. A notebook shows it, and ``np.asarray`` returns its pixels.
+    """A picture that `show` or `ClashReport.picture` drew.
+
+    A notebook shows it, and ``np.asarray`` returns its pixels.
 
     Attributes
     ----------

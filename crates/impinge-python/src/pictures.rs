@@ -11,8 +11,8 @@ use crate::mesh::mesh_of;
 use crate::model::unit_of;
 use crate::{poses, workers};
 
-/// Options of a picture: its size in pixels, azimuth and elevation of the camera in degrees, and the
-/// name of the axis that points up.
+/// Options of a picture: its size in pixels, azimuth and elevation of the camera in degrees, and
+/// the name of the axis that points up.
 type View = ([u32; 2], [f64; 2], String);
 
 /// Draws two meshes with their intersecting pairs of faces, (k, 2), and the curves in which they

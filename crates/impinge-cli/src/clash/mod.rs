@@ -111,8 +111,8 @@ pub(crate) struct Arguments {
     /// Version of the BCF file
     #[arg(long, value_name = "V", default_value = "2.1", requires = "bcf")]
     bcf_version: BcfVersionArgument,
-    /// Axis of the scenes that points up in the page, pictures and BCF; y for glTF and z for other files by
-    /// default
+    /// Axis of the scenes that points up in the page, pictures and BCF; y for glTF and z for other
+    /// files by default
     #[arg(long, value_name = "AXIS")]
     up: Option<Axis>,
     /// Number of threads to use; all processors by default

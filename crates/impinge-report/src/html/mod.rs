@@ -5,11 +5,11 @@
 //! names of the blocks tell the page what it shows. Each block is deflated and in base64. The page
 //! makes no request, so that it can be opened from a disk or sent by mail.
 //!
-//! A report of clashes has the report as JSON, and `facts`: sentences and names. `pair`, `hierarchy`
-//! and `robot` write the other pages, with their facts in `about`. `parts` chooses the parts that
-//! are drawn in full, and `surface` has the triangles of shapes. `quantized` and `integers` write
-//! meshes in few bytes, `curves` the intersection curves, `geometry` the block of both, and `block`
-//! any block. The reader is `viewer/src/data`. Guarded by `tests/html.rs` and `viewer/test`.
+//! A report of clashes has the report as JSON, and `facts`: sentences and names. `pair`,
+//! `hierarchy` and `robot` write the other pages, with their facts in `about`. `parts` chooses the
+//! parts that are drawn in full, and `surface` has the triangles of shapes. `quantized` and
+//! `integers` write meshes in few bytes, `curves` the intersection curves, `geometry` the block of
+//! both, and `block` any block. The reader is `viewer/src/data`. Guarded by `tests/html.rs` and `viewer/test`.
 
 mod about;
 mod block;

@@ -5,8 +5,8 @@
 //! the picture is subtracted in f64 before anything is rounded.
 //!
 //! `clash` draws a clash of a report: the `parts` of its scenes with their `sharp_edges`, its
-//! `subject`, from the direction that `view` chooses. `scene` draws all parts of a scene, `pair` two
-//! meshes with their intersection, `hierarchy` a mesh with boxes (`box_edges`, `svg`), and
+//! `subject`, from the direction that `view` chooses. `scene` draws all parts of a scene, `pair`
+//! two meshes with their intersection, `hierarchy` a mesh with boxes (`box_edges`, `svg`), and
 //! `character` hit volumes.
 //!
 //! `camera` projects along directions of `axes`. `canvas` has triangles and layers, `lines` has
