@@ -81,9 +81,9 @@ struct Found {
 /// A group: the names that its clashes share, the indices of the clashes, and a sentence.
 type GroupRow = (Vec<String>, Vec<usize>, String);
 
-/// Finds the clashes of some scenes, which have a unit and an axis that points up. `lengths` are the
-/// tolerance and the clearance, and `flags` say whether only parts of different scenes are compared,
-/// and whether contacts are listed.
+/// Finds the clashes of some scenes, which have a unit and an axis that points up. `lengths` are
+/// the tolerance and the clearance. `flags` say whether only parts of different scenes are
+/// compared, and whether contacts are listed.
 #[pyfunction]
 pub(crate) fn clash<'py>(
     py: Python<'py>,

@@ -9,7 +9,8 @@
 //! `hierarchy` and `robot` write the other pages, with their facts in `about`. `parts` chooses the
 //! parts that are drawn in full, and `surface` has the triangles of shapes. `quantized` and
 //! `integers` write meshes in few bytes, `curves` the intersection curves, `geometry` the block of
-//! both, and `block` any block. The reader is `viewer/src/data`. Guarded by `tests/html.rs` and `viewer/test`.
+//! both, and `block` any block. The reader is `viewer/src/data`. Guarded by `tests/html.rs` and
+//! `viewer/test`.
 
 mod about;
 mod block;
