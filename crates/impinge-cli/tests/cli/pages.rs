@@ -42,7 +42,7 @@ fn pages_have_the_blocks_of_their_kind() {
     let folder = folder();
     for (command, code, more) in [
         ("check cube.obj cube.obj --pose-b 0.5,0,0", 1, None),
-        ("check cube.obj cube.obj --pose-b 3,0,0 --up x", 0, None),
+        ("check cube.obj cube.obj --pose-b 3,0,0", 0, None),
         ("inspect cube.obj", 0, Some("levels")),
         ("robot check robot.urdf --configs values.csv --scene cube.obj", 1, Some("poses")),
         ("robot motion robot.urdf --path values.csv --scene cube.obj", 1, Some("poses")),
