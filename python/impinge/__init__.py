@@ -15,7 +15,8 @@ from impinge import ccd, cluster, fit, partition
 from impinge._character import Animation, Character, Leaks, Part
 from impinge._character_pose import CharacterPose, PartHit, PartHits, PartPairs, SurfaceHit
 from impinge._clash import clash
-from impinge._clash_report import Clash, ClashDiff, ClashDuplicates, ClashGroup, ClashPart, ClashReport
+from impinge._clash_report import ClashReport
+from impinge._clash_rows import Clash, ClashDiff, ClashDuplicates, ClashGroup, ClashPart
 from impinge._contacts import ContactRows, Contacts, contacts
 from impinge._decomposition import ConvexPart, ConvexParts
 from impinge._depth import Depth, deeper, depth

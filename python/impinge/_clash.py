@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from impinge._clash_report import ClashReport
 from impinge._engine import engine
 from impinge._errors import InputError
-from impinge._mesh import Mesh
-from impinge._scalars import flag, path_of, real
+from impinge._parts import origins, parts_of, unit_of, up_of
+from impinge._scalars import chosen, flag, path_of, real
 from impinge._scene import Scene
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ def clash(
     previous: ClashReport | str | os.PathLike[str] | None = None,
     contacts: bool = False,
     volume: bool = False,
+    up: Literal["x", "y", "z"] | None = None,
     progress: bool = False,
     on: Cluster | None = None,
 ) -> ClashReport:
@@ -57,12 +58,15 @@ def clash(
         or the ``.json`` clash sets of IfcClash. A str of more than one line is the text of a TOML
         file.
     previous : ClashReport, str or os.PathLike, optional
-        The previous report, or the file to which it was written as JSON. Statuses carry over from
-        it, and `ClashReport.gone` lists what is gone.
+        The previous report, or the file to which it was written as JSON or BCF. Statuses carry over
+        from it, and `ClashReport.gone` lists what is gone.
     contacts : bool
         Whether pairs that touch are listed, too.
     volume : bool
         Whether to compute the volume of the material that two parts share.
+    up : {"x", "y", "z"}, optional
+        The axis of the scenes that points up in pictures, pages and BCF. By default it is y if a
+        mesh was loaded from glTF, and z otherwise.
     progress : bool
         Whether to show the number of finished pairs in one line of stderr during the call. The
         pairs are searched a second time for it.
@@ -102,14 +106,14 @@ def clash(
     """
     labeled = _labeled(scenes)
     answer = engine(on).clash(
-        [(label, _parts(scene), list(scene._ignored_places())) for label, scene in labeled.items()],
-        _unit(labeled),
+        [(label, parts_of(scene), list(scene._ignored_places())) for label, scene in labeled.items()],
+        (unit_of(labeled), up_of(labeled) if up is None else chosen(up, ("x", "y", "z"), "up")),
         (_length(tolerance, "tolerance"), _length(clearance, "clearance")),
         (flag(between, "between"), flag(contacts, "contacts"), flag(volume, "volume")),
         (_rules(rules), [previous.to_json()] if isinstance(previous, ClashReport) else _path(previous, "previous")),
         progress,
     )
-    return ClashReport(answer)
+    return ClashReport(answer, _date(labeled))
 
 
 def _labeled(scenes: Any) -> dict[str, Scene]:
@@ -125,27 +129,13 @@ def _labeled(scenes: Any) -> dict[str, Scene]:
     return dict(labeled)
 
 
-def _parts(scene: Scene) -> list[Any]:
-    """Return names, meshes or shapes, poses and details of the parts."""
-    poses = scene.poses
-    details = {name: scene.details(name) for name in poses}
-    return [
-        (name, part, poses[name], (details[name].key, details[name].type, list(details[name].path)))
-        for name, part in scene.parts.items()
-    ]
-
-
-def _unit(labeled: dict[str, Scene]) -> str | None:
-    """Return the unit that all loaded meshes share, or None if none has one."""
-    units: dict[str, str] = {}
-    for label, scene in labeled.items():
-        for part in scene.parts.values():
-            if isinstance(part, Mesh) and part.origin is not None and part.origin.unit is not None:
-                units.setdefault(part.origin.unit, label)
-    if len(units) > 1:
-        message = "have different units: " + ", ".join(f"{label!r} is in {unit}" for unit, label in units.items())
-        raise InputError(message, kind="unit", what="scenes", hint="pass one unit= to load_scene for all of them")
-    return next(iter(units), None)
+def _date(labeled: Mapping[str, Scene]) -> int:
+    """Return the date of the newest file in seconds since 1970, or the one that is set."""
+    stated = os.environ.get("SOURCE_DATE_EPOCH", "")
+    if stated.lstrip("-").isdecimal():
+        return int(stated)
+    paths = {origin.path for _, origin in origins(labeled) if origin.path}
+    return max((int(os.path.getmtime(path)) for path in paths if os.path.exists(path)), default=0)
 
 
 def _length(value: Any, name: str) -> float | str | None:

@@ -8,7 +8,7 @@ import math
 import os
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from datetime import datetime
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
@@ -17,147 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from impinge import _impinge
+from impinge._clash_rows import Clash, ClashDiff, ClashDuplicates, ClashGroup, clash_of, part_of
 from impinge._errors import InputError
+from impinge._picture import Picture, png_path, size_of
 from impinge._scalars import chosen, path_of
-
-
-@dataclass(frozen=True)
-class ClashPart:
-    """A part as reports name it.
-
-    Attributes
-    ----------
-    scene : str
-        Label of the scene.
-    key : str
-        Identity of the part in its scene: the key of its details, or its name.
-    name, type : str
-        Name of the part, and its type, for example ``"IfcWall"``; the type may be empty.
-    path : tuple of str
-        Names of the groups that contain the part, the outermost first.
-    """
-
-    scene: str
-    key: str
-    name: str
-    type: str = ""
-    path: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Clash:
-    """A pair of parts that a report lists. Lengths are in the unit of the scenes.
-
-    Attributes
-    ----------
-    id : str
-        Identity, which stays the same from one report to the next.
-    kind : {"contained", "clash", "undecided", "contact", "clearance"}
-        Kind of the pair. An undecided pair counts as a clash.
-    a, b : ClashPart
-        The two parts.
-    depth : (float, float) or None
-        Lower and upper bound of the depth; the upper one is infinite if it is not known.
-    gap : (float, float) or None
-        Lower and upper bound of the gap of a pair within the clearance.
-    volume : (float, float) or None
-        Lower and upper bound of the volume of the common material, if it was asked for.
-    point : (float, float, float) or None
-        Point that shows where the parts meet, in the world frame.
-    normal : (float, float, float) or None
-        Direction of length 1 in which `b` leaves `a` near the point, or faces it across the gap.
-    faces : (int, int) or None
-        The nearest faces of `a` and `b` to the point, if both are meshes.
-    box : pair of (float, float, float) or None
-        Lower and upper corner of the box where the boxes of the parts overlap, or of the box
-        between them.
-    status : {"new", "active", "reviewed", "approved"}
-        State of the clash, which carries over from the previous report.
-    proved : bool
-        Whether the kind is proved.
-    why : str or None
-        Reason why the kind is not proved.
-    inner : {"a", "b"} or None
-        The part of a contained pair that lies inside the other.
-    rule, severity, note : str or None
-        Name of the rule, the severity that it states, and the remark of the previous report.
-    accepted : float or None
-        Depth or gap at which the clash was reviewed or approved.
-    sentence : str
-        What happens, such as ``"pipe 'P-12' enters wall 'W-3' by 36 mm"``.
-    """
-
-    id: str
-    kind: str
-    a: ClashPart
-    b: ClashPart
-    depth: tuple[float, float] | None
-    gap: tuple[float, float] | None
-    volume: tuple[float, float] | None
-    point: tuple[float, float, float] | None
-    normal: tuple[float, float, float] | None
-    faces: tuple[int, int] | None
-    box: tuple[tuple[float, float, float], tuple[float, float, float]] | None
-    status: str
-    proved: bool
-    why: str | None
-    inner: str | None
-    rule: str | None
-    severity: str | None
-    note: str | None
-    accepted: float | None
-    sentence: str
-
-
-@dataclass(frozen=True)
-class ClashDuplicates:
-    """Parts that are the same shape in the same place.
-
-    Attributes
-    ----------
-    id, status : str
-        As for `Clash`.
-    parts : tuple of ClashPart
-        The parts, two or more.
-    """
-
-    id: str
-    status: str
-    parts: tuple[ClashPart, ...]
-
-
-@dataclass(frozen=True)
-class ClashGroup:
-    """Clashes that belong together.
-
-    Attributes
-    ----------
-    shared : tuple of str
-        What the clashes share: a part as ``"label/key"``, or the types or labels of both parts.
-    clashes : tuple of Clash
-        The clashes, the worst first.
-    sentence : str
-        The number of clashes, and the worst of them.
-    """
-
-    shared: tuple[str, ...]
-    clashes: tuple[Clash, ...]
-    sentence: str
-
-
-@dataclass(frozen=True)
-class ClashDiff:
-    """Identities of clashes and duplicates of two reports, each sorted.
-
-    Attributes
-    ----------
-    new, known, gone : tuple of str
-        Identities that only the newer report has, that both have, and that only the older one has.
-    """
-
-    new: tuple[str, ...]
-    known: tuple[str, ...]
-    gone: tuple[str, ...]
 
 
 class ClashReport:
@@ -172,17 +35,18 @@ class ClashReport:
 
     counts: dict[str, int]
 
-    def __init__(self, answer: dict[str, Any]) -> None:
+    def __init__(self, answer: dict[str, Any], date: int) -> None:
         self.counts = dict(answer["counts"])
         self._json: str = answer["json"]
         self._csv: str = answer["csv"]
         self._sentences: list[str] = answer["sentences"]
         self._groups: dict[str, Any] = dict(answer["groups"])
-        self._page: _impinge.ClashPage | str = answer["page"]
+        self._files: _impinge.ClashFiles | str = answer["files"]
+        self._date = date
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the state with the page instead of the scenes."""
-        return {**self.__dict__, "_page": self.to_html()}
+        return {**self.__dict__, "_files": self.to_html()}
 
     @cached_property
     def _all(self) -> dict[str, Any]:
@@ -193,7 +57,7 @@ class ClashReport:
     @cached_property
     def _clashes(self) -> tuple[Clash, ...]:
         rows = zip(self._all["clashes"], self._sentences, strict=True)
-        return tuple(_clash(row, sentence) for row, sentence in rows)
+        return tuple(clash_of(row, sentence) for row, sentence in rows)
 
     def __len__(self) -> int:
         """Return the number of clashes, without duplicates."""
@@ -221,7 +85,7 @@ class ClashReport:
     def duplicates(self) -> tuple[ClashDuplicates, ...]:
         """Sets of duplicates."""
         rows = self._all["duplicates"]
-        return tuple(ClashDuplicates(row["id"], row["status"], tuple(map(_part, row["parts"]))) for row in rows)
+        return tuple(ClashDuplicates(row["id"], row["status"], tuple(map(part_of, row["parts"]))) for row in rows)
 
     @property
     def gone(self) -> tuple[str, ...] | None:
@@ -339,7 +203,99 @@ class ClashReport:
         OSError
             If the file cannot be written.
         """
-        return _written(self._page if isinstance(self._page, str) else self._page.html(), path)
+        return _written(self._files if isinstance(self._files, str) else self._files.html(), path)
+
+    def to_bcf(
+        self, path: str | os.PathLike[str], version: Literal["2.1", "3.0"] = "2.1", *, date: datetime | None = None
+    ) -> None:
+        """Write the clashes as topics of a BCF file, with viewpoints and pictures.
+
+        The topics are the groups of ``groups("part")``, and the sets of duplicates. `clash` reads
+        the file as `previous`, also after another program changed statuses.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            The file, whose name ends in ``.bcfzip`` or ``.bcf``.
+        version : {"2.1", "3.0"}
+            Version of BCF.
+        date : datetime.datetime, optional
+            Date of the topics. By default it is that of the newest file of the scenes, or the
+            start of 1970 if they were not loaded. The environment variable ``SOURCE_DATE_EPOCH``
+            replaces the default. No clock is read, so that the same scenes give the same bytes.
+
+        Raises
+        ------
+        InputError
+            If the name has another extension, the scenes state no unit (BCF is in meters), or the
+            report was unpickled, which leaves its scenes behind.
+        OSError
+            If the file cannot be written.
+        """
+        text = path_of(path, "path")
+        if Path(text).suffix.lower() not in (".bcfzip", ".bcf"):
+            raise InputError(f"{text!r} does not end in .bcfzip or .bcf", kind="unsupported-format", what="path")
+        chosen(version, ("2.1", "3.0"), "version")
+        if date is not None and not isinstance(date, datetime):
+            raise InputError(f"must be a datetime, not {type(date).__name__}", kind="type", what="date")
+        seconds = self._date if date is None else int(date.timestamp())
+        Path(text).write_bytes(self._with_scenes().bcf(version, seconds))
+
+    def picture(
+        self,
+        clash: Clash | ClashDuplicates | str,
+        *,
+        path: str | os.PathLike[str] | None = None,
+        size: tuple[int, int] = (960, 720),
+    ) -> Picture:
+        """Draw a clash: two parts in color among ghosts, and the curves in which they intersect.
+
+        The first part is blue and the second is orange. The direction is one from which the contact
+        is visible.
+
+        Parameters
+        ----------
+        clash : Clash, ClashDuplicates or str
+            An item of this report, or its identity.
+        path : str or os.PathLike, optional
+            A PNG file to write the picture to.
+        size : (int, int)
+            Width and height in pixels, 16 to 8192 each.
+
+        Returns
+        -------
+        Picture
+            The picture, which a notebook shows.
+
+        Raises
+        ------
+        InputError
+            If the report has no such item, a part of it is unbounded, an argument is invalid, or
+            the report was unpickled, which leaves its scenes behind.
+        OSError
+            If the file cannot be written.
+        """
+        known = clash if isinstance(clash, str) else getattr(clash, "id", None)
+        if not isinstance(known, str):
+            message = f"must be an impinge.Clash, impinge.ClashDuplicates or an identity, not {type(clash).__name__}"
+            raise InputError(message, kind="type", what="clash")
+        if known not in self._ids:
+            raise InputError(f"the report has no item {known!r}", kind="name", what="clash")
+        if path is not None:
+            png_path(path)
+        pixels = self._with_scenes().picture(known, size_of(size))
+        if pixels is None:
+            raise InputError(f"a part of {known!r} is unbounded", kind="unbounded", what="clash")
+        picture = Picture(pixels)
+        if path is not None:
+            picture.save(path)
+        return picture
+
+    def _with_scenes(self) -> _impinge.ClashFiles:
+        if isinstance(self._files, str):
+            message = "was unpickled, and a pickle does not have the scenes"
+            raise InputError(message, kind="state", what="report", hint="call clash again, or draw before you pickle")
+        return self._files
 
     def _repr_html_(self) -> str:
         """Return the page for a notebook."""
@@ -368,28 +324,6 @@ class ClashReport:
         found = Counter(row["kind"] for row in self._all["clashes"])
         found["duplicate"] = len(self._all["duplicates"])
         return f"ClashReport({', '.join(f'{count} {kind}' for kind, count in found.items() if count) or 'clear'})"
-
-
-def _part(row: dict[str, Any]) -> ClashPart:
-    return ClashPart(row["scene"], row["key"], row["name"], row.get("type", ""), tuple(row.get("path", ())))
-
-
-def _clash(row: dict[str, Any], sentence: str) -> Clash:
-    fields: dict[str, Any] = {of: row[of] for of in ("id", "kind", "status", "proved")}
-    fields |= {of: row.get(of) for of in ("why", "inner", "rule", "severity", "note", "accepted")}
-    fields |= {of: _part(row[of]) for of in ("a", "b")}
-    fields |= {of: _interval(row.get(of)) for of in ("depth", "gap", "volume")}
-    fields |= {of: tuple(row[of]) if of in row else None for of in ("point", "normal", "faces")}
-    fields["box"] = tuple(map(tuple, row["box"])) if "box" in row else None
-    return Clash(sentence=sentence, **fields)
-
-
-def _interval(bounds: list[float | None] | None) -> tuple[float, float] | None:
-    """Return bounds; an upper bound that is not known becomes infinite."""
-    if bounds is None:
-        return None
-    lower, upper = bounds
-    return (lower or 0.0, math.inf if upper is None else upper)
 
 
 def _texts(values: Any) -> NDArray[np.str_]:

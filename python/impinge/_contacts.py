@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from impinge import _impinge
+from impinge._notebook import table
 from impinge._ragged import Ragged
 from impinge._rows import Pose, RaiseOptions, Solid, Statuses, StatusOptions, with_status
 from impinge._scalars import real, whole
@@ -61,6 +62,11 @@ class Contacts:
         """Return the number of contacts."""
         return f"Contacts({len(self)})"
 
+    def _repr_html_(self) -> str:
+        """Return the first contacts as a table for a notebook."""
+        shown = ("lower", "upper", "normal", "point_a", "point_b", "manifold")
+        return table(repr(self), {name: getattr(self, name) for name in shown})
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ContactRows(Ragged[Contacts]):
@@ -100,6 +106,13 @@ class ContactRows(Ragged[Contacts]):
     def __repr__(self) -> str:
         """Return the shape and the number of contacts."""
         return f"ContactRows(shape={self.shape}, {len(self.all)} contacts)"
+
+    def _repr_html_(self) -> str:
+        """Return the first contacts as a table for a notebook."""
+        rows = np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
+        return table(
+            repr(self), {"row": rows, "depth": self.all.depth, "normal": self.all.normal, "point_a": self.all.point_a}
+        )
 
 
 def contact_rows(offsets: NDArray[np.int64], columns: Any, shape: tuple[int, ...]) -> ContactRows:

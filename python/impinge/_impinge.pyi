@@ -11,7 +11,7 @@ __all__ = [
     "BatchCore",
     "BoxCore",
     "CharacterCore",
-    "ClashPage",
+    "ClashFiles",
     "DeformingCore",
     "GeometryBase",
     "Limits",
@@ -73,6 +73,7 @@ __all__ = [
     "penetrates",
     "penetration",
     "picture_of_pair",
+    "picture_of_scene",
     "proxies",
     "ray_cast",
     "ray_cast_all",
@@ -474,12 +475,14 @@ def robot_clearance(
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.bool_]]: ...
 
 @final
-class ClashPage:
+class ClashFiles:
     def html(self) -> str: ...
+    def picture(self, id: str, size: list[int]) -> NDArray[np.uint8] | None: ...
+    def bcf(self, version: str, date: int) -> bytes: ...
 
 def clash(
     scenes: list[tuple[str, list[Any], list[tuple[int, int]]]],
-    unit: str | None,
+    unit_and_up: tuple[str | None, str],
     lengths: tuple[float | str | None, float | str | None],
     flags: tuple[bool, bool, bool],
     files: tuple[list[str] | str | None, list[str] | str | None],
@@ -487,7 +490,7 @@ def clash(
 ) -> dict[str, Any]: ...
 def clash_candidates(
     scenes: list[tuple[str, list[Any], list[tuple[int, int]]]],
-    unit: str | None,
+    unit_and_up: tuple[str | None, str],
     lengths: tuple[float | str | None, float | str | None],
     flags: tuple[bool, bool, bool],
     files: tuple[list[str] | str | None, list[str] | str | None],
@@ -497,7 +500,7 @@ def clash_pairs(
 ) -> NDArray[np.float64]: ...
 def clash_report(
     scenes: list[tuple[str, list[Any], list[tuple[int, int]]]],
-    unit: str | None,
+    unit_and_up: tuple[str | None, str],
     lengths: tuple[float | str | None, float | str | None],
     flags: tuple[bool, bool, bool],
     files: tuple[list[str] | str | None, list[str] | str | None],
@@ -543,7 +546,12 @@ def health(mesh: Any) -> dict[str, int]: ...
 def closing_tolerance(mesh: Any) -> float | None: ...
 def repaired(mesh: Any, weld: float, orient: bool) -> tuple[MeshBase, dict[str, Any]]: ...
 def tree_statistics(mesh: Any) -> dict[str, Any]: ...
-def picture_of_pair(meshes: Any, world_from_mesh: Any, pairs: Any, view: Any) -> NDArray[np.uint8]: ...
+def picture_of_pair(
+    meshes: Any, world_from_mesh: Any, pairs: Any, view: tuple[list[int], list[float], str], focus_on_contact: bool
+) -> NDArray[np.uint8]: ...
+def picture_of_scene(
+    parts: list[Any], view: tuple[list[int], list[float], str], unit: str | None
+) -> NDArray[np.uint8]: ...
 def to_png(pixels: Any) -> bytes: ...
 def convex_hull(points: Any) -> tuple[NDArray[np.uint32], NDArray[np.uint32], int]: ...
 def convex_parts(

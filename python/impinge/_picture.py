@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from impinge import _impinge
 from impinge._errors import InputError
-from impinge._scalars import path_of
+from impinge._scalars import path_of, whole
 
 
 class Picture:
-    """A picture that `show` drew. A notebook shows it, and ``np.asarray`` returns its pixels.
+    """A picture that `show` or `ClashReport.picture` drew.
+
+    A notebook shows it, and ``np.asarray`` returns its pixels.
 
     Attributes
     ----------
@@ -76,6 +78,19 @@ class Picture:
     def __repr__(self) -> str:
         """Return the size."""
         return f"Picture({self.width} x {self.height})"
+
+
+def size_of(size: object) -> list[int]:
+    """Return the width and the height of a picture."""
+    width, height = pair_of(size, "size")
+    return [whole(pixels, "size", minimum=16, maximum=8192) for pixels in (width, height)]
+
+
+def pair_of(pair: object, name: str) -> tuple[Any, Any]:
+    """Return a tuple or a list of two numbers."""
+    if not isinstance(pair, tuple | list) or len(pair) != 2:
+        raise InputError(f"must be two numbers, not {type(pair).__name__}", kind="shape", what=name)
+    return pair[0], pair[1]
 
 
 def png_path(path: object) -> str:

@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from impinge import _arrays
+from impinge import _arrays, _impinge
 from impinge._details import Details
 from impinge._engine import engine
 from impinge._errors import InputError
 from impinge._mesh import Mesh
+from impinge._parts import parts_of, unit_of, up_of
+from impinge._picture import Picture
 from impinge._rows import Statuses
 from impinge._scalars import chosen, flag, real
 from impinge._shape import AnyShape, Shape
@@ -320,6 +322,14 @@ class Scene:
         if on_error == "status":
             answer, status = answer
         return SceneReport(self, answer, status, stopped_at_first=first)
+
+    def _picture(self, size: list[int], view: list[float], up: str) -> Picture:
+        """Return a picture of all bounded parts."""
+        return Picture(_impinge.picture_of_scene(parts_of(self), (size, view, up), unit_of({"": self})))
+
+    def _repr_png_(self) -> bytes:
+        """Return a picture for a notebook."""
+        return self._picture([640, 480], [-35.0, 25.0], up_of({"": self}))._repr_png_()
 
     def _names(self) -> list[str]:
         return list(self._parts)

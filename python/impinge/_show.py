@@ -1,4 +1,4 @@
-"""Pictures of two meshes and of their intersection."""
+"""Pictures of meshes, shapes and scenes."""
 
 from __future__ import annotations
 
@@ -6,40 +6,46 @@ import os
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from impinge import _impinge
 from impinge._arrays import plain_poses
 from impinge._errors import InputError
 from impinge._intersections import intersecting_pairs
 from impinge._mesh import Mesh
-from impinge._picture import Picture, png_path
-from impinge._scalars import chosen, real, whole
+from impinge._picture import Picture, pair_of, png_path, size_of
+from impinge._scalars import chosen, real
+from impinge._scene import Scene
+from impinge._shape import AnyShape
 
 
 def show(
-    a: Mesh,
-    b: Mesh,
+    a: AnyShape | Scene,
+    b: AnyShape | None = None,
     pose_a: ArrayLike | None = None,
     pose_b: ArrayLike | None = None,
     *,
     path: str | os.PathLike[str] | None = None,
     size: tuple[int, int] = (960, 720),
     view: tuple[float, float] = (-35.0, 25.0),
-    up: Literal["y", "z"] = "z",
+    up: Literal["x", "y", "z"] = "z",
     focus: Literal["all", "contact"] = "all",
 ) -> Picture:
-    """Render two meshes, their intersecting faces, and the curves in which they intersect.
+    """Render two meshes with their intersection, or a shape, two shapes, or a scene.
 
-    `a` is opaque, and `b` is transparent. Intersecting faces are red, curves are yellow. No window
-    is opened, and no display is needed. A notebook shows the returned picture.
+    Of two meshes, `a` is opaque, and `b` is transparent. Intersecting faces are red, and the curves
+    in which the meshes intersect are yellow. Everything else is drawn in a few colors, with a scale
+    bar and axes. Half-spaces are left out. No window is opened, and no display is needed. A
+    notebook shows the returned picture.
 
     Parameters
     ----------
-    a, b : Mesh
-        The meshes.
+    a : Mesh, Shape or Scene
+        The first mesh or shape, or a scene.
+    b : Mesh or Shape, optional
+        The second one. A scene is drawn alone.
     pose_a, pose_b : (4, 4) array_like, optional
-        World from mesh; None is the identity.
+        World from mesh or shape; None is the identity.
     path : str or os.PathLike, optional
         A PNG file to write the picture to.
     size : (int, int)
@@ -47,11 +53,11 @@ def show(
     view : (float, float)
         Azimuth and elevation of the camera in degrees. The camera looks at the center, without
         perspective.
-    up : {"z", "y"}
+    up : {"z", "y", "x"}
         The axis of the world that points up.
     focus : {"all", "contact"}
-        Whether the picture shows both meshes, or only the surroundings of their intersection, if
-        there is one.
+        Whether the picture of two meshes shows all of them, or only the surroundings of their
+        intersection, if there is one.
 
     Returns
     -------
@@ -73,32 +79,46 @@ def show(
     >>> wall = impinge.Mesh([[-1, 0, -1], [1, 0, -1], [0, 0, 1]], [[0, 1, 2]])
     >>> impinge.show(floor, wall, size=(320, 240)).size
     (320, 240)
+    >>> impinge.show(impinge.Shape.sphere(1), size=(320, 240))
+    Picture(320 x 240)
     """
-    _validate(size, view, up, focus)
+    chosen(up, ("x", "y", "z"), "up")
+    chosen(focus, ("all", "contact"), "focus")
     if path is not None:
         png_path(path)
-    poses = [
-        np.eye(4) if pose is None else plain_poses(pose, name)
-        for pose, name in ((pose_a, "pose_a"), (pose_b, "pose_b"))
-    ]
-    for pose, name in zip(poses, ("pose_a", "pose_b"), strict=True):
-        if pose.shape != (4, 4):
-            raise InputError(f"shape {pose.shape}, where (4, 4) is expected", kind="shape", what=name)
-    pairs = np.asarray(intersecting_pairs(a, b, *poses))
-    options = ([int(pixels) for pixels in size], [float(angle) for angle in view], up == "y", focus == "contact")
-    picture = Picture(_impinge.picture_of_pair((a, b), tuple(poses), pairs, options))
+    options = (size_of(size), _angles(view), up)
+    if isinstance(a, Mesh) and isinstance(b, Mesh):
+        poses = _pose(pose_a, "pose_a"), _pose(pose_b, "pose_b")
+        pairs = np.asarray(intersecting_pairs(a, b, *poses))
+        picture = Picture(_impinge.picture_of_pair((a, b), poses, pairs, options, focus == "contact"))
+    else:
+        picture = _scene(a, b, pose_a, pose_b)._picture(*options)
     if path is not None:
         picture.save(path)
     return picture
 
 
-def _validate(size: tuple[int, int], view: tuple[float, float], up: str, focus: str) -> None:
-    for name, value, known in (("up", up, ("y", "z")), ("focus", focus, ("all", "contact"))):
-        chosen(value, known, name)
-    for name, pair in (("size", size), ("view", view)):
-        if not isinstance(pair, tuple | list) or len(pair) != 2:
-            raise InputError(f"must be two numbers, not {type(pair).__name__}", kind="shape", what=name)
-    for pixels in size:
-        whole(pixels, "size", minimum=16, maximum=8192)
-    if np.isinf([real(angle, "view") for angle in view]).any():
+def _scene(a: AnyShape | Scene, b: AnyShape | None, pose_a: ArrayLike | None, pose_b: ArrayLike | None) -> Scene:
+    """Return the things of a picture as a scene."""
+    if isinstance(a, Scene):
+        for given, name in ((b, "b"), (pose_a, "pose_a"), (pose_b, "pose_b")):
+            if given is not None:
+                raise InputError("a scene is drawn alone", kind="option", what=name)
+        return a
+    parts = {"a": a} if b is None else {"a": a, "b": b}
+    poses = {"a": _pose(pose_a, "pose_a"), "b": _pose(pose_b, "pose_b")}
+    return Scene(parts, poses={name: poses[name] for name in parts})
+
+
+def _pose(pose: ArrayLike | None, name: str) -> NDArray[np.float64]:
+    matrix = np.eye(4) if pose is None else plain_poses(pose, name)
+    if matrix.shape != (4, 4):
+        raise InputError(f"shape {matrix.shape}, where (4, 4) is expected", kind="shape", what=name)
+    return matrix
+
+
+def _angles(view: tuple[float, float]) -> list[float]:
+    angles = [real(angle, "view") for angle in pair_of(view, "view")]
+    if np.isinf(angles).any():
         raise InputError("an angle is infinite", kind="non-finite", what="view")
+    return angles

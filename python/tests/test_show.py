@@ -81,7 +81,7 @@ def test_errors_name_the_invalid_option():
     for wrong in (
         {"size": (10, 10)},
         {"size": (1e3, 100)},
-        {"up": "x"},
+        {"up": "w"},
         {"focus": "b"},
         {"path": "a.jpg"},
         {"pose_a": np.eye(4)[None]},
@@ -89,3 +89,33 @@ def test_errors_name_the_invalid_option():
         with pytest.raises(impinge.InputError) as caught:
             impinge.show(ring, ring, **wrong)
         assert caught.value.what in wrong
+
+
+def test_scenes_and_shapes_are_drawn_in_colors(tmp_path):
+    ball = impinge.Shape.sphere(1)
+    scene = impinge.Scene({"left": ball, "right": ball}, poses={"right": impinge.pose([3, 0, 0])})
+    picture = impinge.show(scene, view=(0, 0), size=(240, 120), path=tmp_path / "scene.png")
+    r, _, b = np.moveaxis(pixels(picture), -1, 0)
+    assert 3000 < (b[:, :120] > r[:, :120] + 20).sum() < 8000
+    assert 3000 < (r[:, 120:] > b[:, 120:] + 20).sum() < 8000
+    both = impinge.show(ball, ball, pose_b=impinge.pose([3, 0, 0]), view=(0, 0), size=(240, 120))
+    assert np.array_equal(both, picture)
+    assert impinge.show(impinge.Mesh(*torus()), ball, size=(64, 48)).size == (64, 48)
+    assert scene._repr_png_().startswith(b"\x89PNG")
+    for options in ({"b": ball}, {"pose_a": impinge.pose([0, 0, 0])}):
+        with pytest.raises(impinge.InputError, match="alone"):
+            impinge.show(scene, **options)
+
+
+def test_contacts_are_a_table_in_a_notebook():
+    box = impinge.Shape.box([1, 1, 1])
+    contacts = impinge.contacts(box, box, None, impinge.pose([0, 0, 1.5]))
+    table = contacts._repr_html_()
+    assert "<caption>Contacts(4)</caption>" in table
+    assert table.count("<tr>") == 5
+    assert "<td>0.5</td><td>0.5</td><td>0, 0, 1</td>" in table
+    rows = impinge.contacts(box, box, None, impinge.pose([[0, 0, 1.5], [0, 0, 3], [0, 0, 2], [0, 0, 1.5]]))
+    table = rows._repr_html_()
+    assert table.count("<tr>") == 11  # the first ten of twelve
+    assert "12 contacts" in table
+    assert "<th>4</th><td>2</td>" in table

@@ -20,8 +20,8 @@ export interface Command {
   readonly run: () => void;
 }
 
-/** Returns all commands, in the order of the help sheet. */
-export function commands(store: Store, view: SceneView, list: ListPanel, filters: FilterPanel, toggleHelp: () => void): Command[] {
+/** Returns all commands of a report of clashes, in the order of the help sheet. */
+export function commandsOfReport(store: Store, view: SceneView, list: ListPanel, filters: FilterPanel, toggleHelp: () => void): Command[] {
   const step = (by: 1 | -1) => {
     const finding = list.neighbor(by);
     if (finding !== undefined) store.select(finding);
@@ -29,7 +29,21 @@ export function commands(store: Store, view: SceneView, list: ListPanel, filters
   return [
     { key: "n", does: "Next clash", button: "Next", run: () => step(1) },
     { key: "p", does: "Previous clash", button: "Previous", run: () => step(-1) },
-    { key: "f", does: "Fit the view: the clash, both parts, everything", button: "Fit", run: () => view.fitNext() },
+    ...commandsOfView(store, view, true, "clash"),
+    ...STATUSES.map((status, at) => ({
+      key: String(at + 1),
+      does: `Set the status: ${status}`,
+      needsClash: true,
+      run: () => store.setStatus(status),
+    })),
+    { key: "/", does: "Search", run: () => filters.focus() },
+    { key: "?", does: "This help", run: toggleHelp },
+  ];
+}
+
+/** Returns the commands of every view. `canDeselect` says whether a view without a selection is useful. */
+export function commandsOfView(store: Store, view: SceneView, canDeselect: boolean, subject: string): Command[] {
+  const others: Command[] = [
     {
       key: "g",
       does: "Draw all other parts solid, or as ghosts",
@@ -45,6 +59,10 @@ export function commands(store: Store, view: SceneView, list: ListPanel, filters
       needsClash: true,
       run: () => store.set({ surroundings: store.now.surroundings === "none" ? "ghost" : "none" }),
     },
+  ];
+  return [
+    { key: "f", does: `Fit the view: the ${subject}, its parts, everything`, button: "Fit", run: () => view.fitNext() },
+    ...(subject === "pair" ? [] : others),
     {
       key: "h",
       does: "Hide the part that was clicked in the view, or else the second part; again: show all",
@@ -54,7 +72,7 @@ export function commands(store: Store, view: SceneView, list: ListPanel, filters
     },
     {
       key: "x",
-      does: "Section through the clash",
+      does: "Section through the middle of the view",
       button: "Section",
       isOn: (state) => state.section !== undefined,
       run: () => store.set({ section: store.now.section === undefined ? nearestAxis(view.toCamera) : undefined }),
@@ -67,15 +85,11 @@ export function commands(store: Store, view: SceneView, list: ListPanel, filters
       isOn: (state) => state.isMeasuring,
       run: () => store.set({ isMeasuring: !store.now.isMeasuring }),
     },
-    ...STATUSES.map((status, at) => ({
-      key: String(at + 1),
-      does: `Set the status: ${status}`,
-      needsClash: true,
-      run: () => store.setStatus(status),
-    })),
-    { key: "/", does: "Search", run: () => filters.focus() },
-    { key: "Escape", does: "End the measurement, then the section, then the selection", run: () => leave(store) },
-    { key: "?", does: "This help", run: toggleHelp },
+    {
+      key: "Escape",
+      does: `End the measurement, then the section${canDeselect ? ", then the selection" : ""}`,
+      run: () => leave(store, canDeselect),
+    },
   ];
 }
 
@@ -90,12 +104,12 @@ function hide(store: Store): void {
   }
 }
 
-function leave(store: Store): void {
+function leave(store: Store, canDeselect: boolean): void {
   const { isMeasuring, section, picked } = store.now;
   if (isMeasuring) store.set({ isMeasuring: false });
   else if (picked !== undefined) store.set({ picked: undefined });
   else if (section !== undefined) store.set({ section: undefined });
-  else store.select(undefined);
+  else if (canDeselect) store.select(undefined);
 }
 
 /** Runs commands by their keys, except while the person writes. */

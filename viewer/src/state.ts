@@ -29,22 +29,26 @@ export interface State {
 type Listener = (state: Readonly<State>, changed: ReadonlySet<keyof State>) => void;
 
 /** Holds the state and tells listeners which fields changed. */
-export class Store {
+export class Store<M extends Model = Model> {
   private readonly listeners: Listener[] = [];
   private state: State;
 
-  constructor(readonly model: Model) {
+  constructor(
+    readonly model: M,
+    start: Partial<State> = {},
+  ) {
     this.state = {
       selected: undefined,
       filter: noFilter(),
       kept: model.findings,
-      isGrouped: model.report.groups.length > 0,
+      isGrouped: false,
       surroundings: "ghost",
       section: undefined,
       isMeasuring: false,
       picked: undefined,
       hidden: new Set(),
       unsaved: 0,
+      ...start,
     };
   }
 

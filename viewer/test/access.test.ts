@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import type { Browser } from "playwright-core";
+import { paleTexts, unnamedControls } from "./access.js";
 import { launch, open, selected } from "./browser.js";
 
 let browser: Browser;
@@ -46,13 +47,7 @@ test("every control has a name", async () => {
   const { page } = await open(browser);
   await page.keyboard.press("n");
   await page.keyboard.press("x");
-  const unnamed = await page.evaluate(() => {
-    const controls = [...document.querySelectorAll<HTMLElement>("button, input, select, summary, [tabindex='0']")];
-    const name = (element: HTMLElement) =>
-      element.getAttribute("aria-label") ?? (element as HTMLInputElement).labels?.[0]?.textContent ?? element.textContent ?? "";
-    return controls.filter((element) => name(element).trim() === "" && !element.hidden).map((element) => element.outerHTML);
-  });
-  assert.deepEqual(unnamed, []);
+  assert.deepEqual(await unnamedControls(page), []);
   await page.close();
 });
 
@@ -61,35 +56,9 @@ for (const colorScheme of ["light", "dark"] as const) {
     const { page } = await open(browser, undefined, { colorScheme });
     await page.keyboard.press("n");
     await page.keyboard.press("x");
-    const pale = await page.evaluate(paleTexts);
+    const pale = await paleTexts(page);
     assert.ok(pale.checked > 40, `${pale.checked} texts`);
     assert.deepEqual(pale.found, []);
     await page.close();
   });
-}
-
-/** Returns the texts whose contrast with their background is below 4.5. It runs in the page. */
-function paleTexts(): { checked: number; found: string[] } {
-  const channels = (color: string) => (color.match(/[\d.]+/g) ?? []).map(Number);
-  const light = (color: string) => {
-    const [r, g, b] = channels(color).map((value) => (value / 255 <= 0.04045 ? value / 255 / 12.92 : ((value / 255 + 0.055) / 1.055) ** 2.4));
-    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
-  };
-  const background = (element: Element | null): string => {
-    if (element === null) return "rgb(255, 255, 255)";
-    const color = getComputedStyle(element).backgroundColor;
-    return channels(color)[3] === 0 ? background(element.parentElement) : color;
-  };
-  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
-  const found: string[] = [];
-  let checked = 0;
-  for (let node = walker.nextNode(); node !== null; node = walker.nextNode()) {
-    const element = node.parentElement;
-    if (element === null || (node.textContent ?? "").trim() === "" || !element.checkVisibility() || element.closest(":disabled, script") !== null) continue;
-    const [a, b] = [light(getComputedStyle(element).color), light(background(element))];
-    const contrast = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
-    checked++;
-    if (contrast < 4.5) found.push(`${contrast.toFixed(2)} ${element.className} ${node.textContent ?? ""}`);
-  }
-  return { checked, found };
 }

@@ -1,21 +1,17 @@
 /**
- * Makes the picture of the page for the documentation, from the root of the repository:
+ * Makes a picture of a page for the documentation, as `docs/images/draw.py` runs it:
  *
- *     impinge clash data/cad_cycloidal_gearbox.glb --view /tmp/gearbox.html
- *     cd viewer && IMPINGE_PAGE=/tmp/gearbox.html CHROMIUM=/usr/bin/chromium npm run screenshot
+ *     IMPINGE_PAGE=/tmp/page.html CHROMIUM=/usr/bin/chromium npm run screenshot -- OUT.png KEY ...
  *
- * An argument of the script is the identity of another clash.
+ * The keys are pressed one after the other. The variable SCHEME is `dark` for a dark page.
  */
 import { launch, open, picture } from "./browser.js";
 
-/** The picture, relative to the folder of the sources. */
-const PICTURE = "../docs/images/clash-page.png";
-
+const [, , path, ...keys] = process.argv;
 const browser = await launch();
-const { page } = await open(browser, undefined, { viewport: { width: 1280, height: 720 } });
-const [, , clash] = process.argv;
-if (clash === undefined) await page.keyboard.press("n");
-else await page.evaluate((id) => (location.hash = id), clash);
+const colorScheme = process.env["SCHEME"] === "dark" ? "dark" : "light";
+const { page } = await open(browser, undefined, { viewport: { width: 1280, height: 720 }, colorScheme });
+for (const key of keys) await page.keyboard.press(key);
 await picture(page); // a slow machine draws the fine picture last
-await page.screenshot({ path: PICTURE });
+await page.screenshot({ path });
 await browser.close();

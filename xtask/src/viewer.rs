@@ -15,12 +15,24 @@ const SOURCES: &str = "viewer";
 const BUILT: &str = "out/page/index.html";
 /// Page that the crate contains.
 const ASSET: &str = "crates/impinge-report/assets/viewer.html";
-/// Model of the page that the browser opens.
-const MODEL: &str = "data/cad_cycloidal_gearbox.glb";
-/// Rules of the search in the model.
-const RULES: &str = "viewer/test/pins.toml";
-/// Page that the browser opens.
-const PAGE: &str = "target/viewer/gearbox.html";
+/// Folder of the pages that the browser opens.
+const PAGES: &str = "target/viewer";
+/// Page of a report of clashes.
+const REPORT: &str = "gearbox";
+/// Pages that the browser opens: the name of each, the arguments of `impinge`, and its exit code.
+/// Rules and configurations keep the searches short in an unoptimized build.
+const COMMANDS: [(&str, &str, i32); 6] = [
+    (REPORT, "clash data/cad_cycloidal_gearbox.glb --rules viewer/test/pins.toml", 1),
+    ("meet", "check data/human_makehuman_cc0.ply data/human_makehuman_cc0.ply --pose-b 0.4,0,0 --up y", 1),
+    ("apart", "check data/human_makehuman_cc0.ply data/human_makehuman_cc0.ply --pose-b 2,0,0 --up y", 0),
+    ("hierarchy", "inspect data/human_makehuman_cc0.ply", 0),
+    (
+        "configurations",
+        "robot check data/robots/gantry.urdf --srdf data/robots/gantry.srdf --configs viewer/test/configurations.csv",
+        1,
+    ),
+    ("path", "robot motion data/robots/gantry.urdf --srdf data/robots/gantry.srdf --path viewer/test/path.csv", 1),
+];
 /// Least major version of Node that builds and tests the page.
 const MIN_NODE: u32 = 18;
 /// Names of Chromium on different systems.
@@ -60,23 +72,24 @@ pub(crate) fn run(root: &Path, write: bool) -> Result<bool> {
     Ok(is_current && browse(root, &sources)?)
 }
 
-/// Opens the page of a model in a browser and runs the tests. Returns whether all passed.
+/// Writes the pages, opens them in a browser and runs the tests. Returns whether all passed.
 fn browse(root: &Path, sources: &Path) -> Result<bool> {
     let named = std::env::var_os("CHROMIUM").map(PathBuf::from);
     let Some(browser) = named.or_else(|| BROWSERS.iter().find_map(|name| find(name))) else {
         println!("viewer: skipped: the tests in a browser, because Chromium is not installed (or name it in CHROMIUM)");
         return Ok(true);
     };
-    let page = root.join(PAGE);
-    fs::create_dir_all(page.parent().context("the page has a folder")?)?;
-    let mut clash = cargo();
-    clash
-        .args(["run", "--quiet", "-p", "impinge-cli", "--", "clash", MODEL, "--rules", RULES, "--view"])
-        .arg(&page)
-        .current_dir(root);
-    let output = clash.output().context("starting impinge clash")?;
-    let has_clashes = output.status.code() == Some(1);
-    ensure!(has_clashes, "impinge clash {MODEL}: {}", String::from_utf8_lossy(&output.stderr));
+    let folder = root.join(PAGES);
+    fs::create_dir_all(&folder).with_context(|| format!("making {PAGES}"))?;
+    let path = |name: &str| folder.join(format!("{name}.html"));
+    for (name, arguments, code) in COMMANDS {
+        let mut command = cargo();
+        command.args(["run", "--quiet", "-p", "impinge-cli", "--"]).args(arguments.split(' ')).arg("--view");
+        let output = command.arg(path(name)).current_dir(root).output().context("starting impinge")?;
+        let is_expected = output.status.code() == Some(code);
+        ensure!(is_expected, "impinge {arguments}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    let page = path(REPORT);
     let mut tests = Command::new("npm");
     tests.args(["test", "--silent"]).current_dir(sources).env("IMPINGE_PAGE", &page).env("CHROMIUM", browser);
     let passed = tests.status().context("starting npm test")?.success();

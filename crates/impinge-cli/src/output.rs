@@ -34,6 +34,14 @@ pub(crate) fn validate(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Validates the name of a page before any work: it ends in `.html`, and as [`validate`] does.
+///
+/// # Errors
+/// Returns an error if the name is invalid.
+pub(crate) fn validate_page(page: &Path, inputs: &[&Path]) -> Result<(), Failure> {
+    if extension(page) == "html" { validate(page, inputs) } else { Err(unknown_extension(page, ".html")) }
+}
+
 /// Returns the extension in lower case.
 pub(crate) fn extension(output: &Path) -> String {
     output.extension().unwrap_or_default().to_string_lossy().to_lowercase()

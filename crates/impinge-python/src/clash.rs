@@ -12,18 +12,21 @@ use impinge_files::{
     Asked, Length, Limits, LoadError, ReportAbout, RulesFile, RulesFormat, SceneAbout, Unit, length_text,
     load_previous, load_rules, parse_previous, parse_rules, write_clash_csv, write_clash_json,
 };
-use impinge_report::html::write_clash_page;
+use impinge_report::bcf::{BcfError, is_bcf, load_previous_bcf};
+use impinge_report::picture::Axis;
 use pyo3::prelude::*;
 
+use crate::clash_files::ClashFiles;
 use crate::errors::{Fault, content_error, error_at, load_error};
 use crate::model::unit_of;
+use crate::pictures::axis;
 use crate::poses;
 use crate::question::Progress;
 use crate::shapes::read_shape;
 use crate::workers::{self, Call};
 
 /// Version of the package, which reports state.
-const VERSION: &str = env!("CARGO_PKG_VERSION");
+pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// A part as Python passes it: its name, its mesh or shape, its pose, and its key, type and path.
 pub(crate) type Part<'py> = (String, Bound<'py, PyAny>, Bound<'py, PyAny>, (String, String, Vec<String>));
@@ -48,6 +51,9 @@ pub(crate) enum Source {
     Content([String; 1]),
 }
 
+/// The unit of the scenes, and the axis that points up.
+pub(crate) type UnitAndUp<'a> = (Option<&'a str>, &'a str);
+
 /// The tolerance and the clearance.
 pub(crate) type Lengths = (Option<LengthOption>, Option<LengthOption>);
 
@@ -61,7 +67,9 @@ pub(crate) type Files = (Option<Source>, Option<Source>);
 /// A question about some scenes.
 pub(crate) struct Search {
     pub(crate) scenes: Vec<(String, Scene)>,
-    unit: Option<Unit>,
+    pub(crate) unit: Option<Unit>,
+    /// The axis that points up.
+    pub(crate) up: Axis,
     tolerance: Option<f64>,
     /// The question. Its tolerance is that of the option or of the rules, if there is one.
     asked: Asked,
@@ -80,47 +88,25 @@ pub(crate) struct Found {
     sentences: Vec<String>,
     /// Groups by part, by type and by scene.
     groups: Vec<(&'static str, Vec<GroupRow>)>,
-    page: ClashPage,
-}
-
-/// Report with its scenes, from which a page is written.
-#[pyclass(frozen, module = "impinge._impinge")]
-pub(crate) struct ClashPage {
-    search: Arc<Search>,
-    report: Arc<Report>,
-}
-
-#[pymethods]
-impl ClashPage {
-    /// Returns the page that shows the report in a browser.
-    fn html(&self, py: Python<'_>) -> PyResult<String> {
-        let (search, report) = (Arc::clone(&self.search), Arc::clone(&self.report));
-        workers::run(py, move |_| {
-            let sides = search.sides();
-            let mut page = Vec::new();
-            // Writing to a list of bytes cannot fail, and the page is UTF-8.
-            let _ = write_clash_page(&mut page, &sides, &report, &search.about(&sides), VERSION);
-            String::from_utf8_lossy(&page).into_owned()
-        })
-    }
+    files: ClashFiles,
 }
 
 /// A group: the names that its clashes share, the indices of the clashes, and a sentence.
 type GroupRow = (Vec<String>, Vec<usize>, String);
 
-/// Finds the clashes of some scenes.
+/// Finds the clashes of some scenes, which have a unit and an axis that points up.
 #[pyfunction]
 pub(crate) fn clash<'py>(
     py: Python<'py>,
     scenes: Vec<Labeled<'py>>,
-    unit: Option<&str>,
+    unit_and_up: UnitAndUp<'_>,
     lengths: Lengths,
     flags: Flags,
     files: Files,
     progress: Progress,
 ) -> PyResult<Bound<'py, PyAny>> {
     let Progress(progress) = progress;
-    let search = Arc::new(Search::read(py, scenes, unit, lengths, flags, files)?);
+    let search = Arc::new(Search::read(py, scenes, unit_and_up, lengths, flags, files)?);
     let rows = if progress { count(py, &search)? } else { 0 };
     let asking = Arc::clone(&search);
     let work = move |execution: Execution<'_>| match found(&asking, execution) {
@@ -144,6 +130,16 @@ fn count(py: Python<'_>, search: &Arc<Search>) -> PyResult<usize> {
 }
 
 fn scene(py: Python<'_>, (label, parts, ignored): Labeled<'_>) -> PyResult<(String, Scene)> {
+    let mut scene = scene_of(py, parts)?;
+    let ids: Vec<PartId> = scene.parts().collect();
+    for (a, b) in ignored {
+        scene.ignore(ids[a], ids[b]);
+    }
+    Ok((label, scene))
+}
+
+/// Returns a scene of parts.
+pub(crate) fn scene_of(py: Python<'_>, parts: Vec<Part<'_>>) -> PyResult<Scene> {
     let mut scene = Scene::new();
     for (name, thing, given, (key, kind, path)) in parts {
         let argument = format!("poses[{name:?}]");
@@ -155,11 +151,7 @@ fn scene(py: Python<'_>, (label, parts, ignored): Labeled<'_>) -> PyResult<(Stri
         })?;
         scene.set_details(part, Details { key, kind, path, extras: Vec::new() });
     }
-    let ids: Vec<PartId> = scene.parts().collect();
-    for (a, b) in ignored {
-        scene.ignore(ids[a], ids[b]);
-    }
-    Ok((label, scene))
+    Ok(scene)
 }
 
 fn read_length(py: Python<'_>, option: Option<LengthOption>, name: &str, unit: Option<Unit>) -> PyResult<Option<f64>> {
@@ -190,9 +182,22 @@ fn read_rules(py: Python<'_>, source: &Source, unit: Option<Unit>) -> PyResult<R
 fn read_previous(py: Python<'_>, source: &Source, unit: Option<Unit>) -> PyResult<Previous> {
     let content = |error: LoadError| content_error(py, "previous", &error);
     match source {
+        Source::Path(path) if is_bcf(path) => {
+            let unit = unit.ok_or_else(|| no_unit(py))?;
+            load_previous_bcf(path, unit).map_err(|error| match error {
+                BcfError::Io(error) => std::io::Error::new(error.kind(), format!("{path}: {error}")).into(),
+                invalid => error_at(py, "bcf", path, None, &invalid.to_string(), None),
+            })
+        }
         Source::Path(path) => load_previous(path, unit, &Limits::default()).map_err(|error| load_error(py, &error)),
         Source::Content([text]) => parse_previous(text.as_bytes(), unit).map_err(content),
     }
+}
+
+/// Returns the exception for scenes without a unit, of which BCF files need one.
+pub(crate) fn no_unit(py: Python<'_>) -> PyErr {
+    let fault = Fault::new("unit", "scenes", "state no unit, and BCF is in meters");
+    fault.hint(Some("pass unit= to load_scene")).raised(py)
 }
 
 impl Search {
@@ -200,7 +205,7 @@ impl Search {
     pub(crate) fn read<'py>(
         py: Python<'py>,
         scenes: Vec<Labeled<'py>>,
-        unit: Option<&str>,
+        (unit, up): UnitAndUp<'_>,
         lengths: Lengths,
         flags: Flags,
         files: Files,
@@ -231,7 +236,7 @@ impl Search {
             previous: previous_path,
             ..Asked::default()
         };
-        Ok(Self { scenes, unit, tolerance, asked, rules, previous })
+        Ok(Self { scenes, unit, up: axis(up), tolerance, asked, rules, previous })
     }
 
     pub(crate) fn sides(&self) -> Vec<Side<'_>> {
@@ -258,7 +263,7 @@ impl Search {
         Ok(Job::new(&sides, self.options(&sides), budget)?.candidates())
     }
 
-    fn about(&self, sides: &[Side<'_>]) -> ReportAbout<'_> {
+    pub(crate) fn about(&self, sides: &[Side<'_>]) -> ReportAbout<'_> {
         let options = self.options(sides);
         let scene = |(label, scene): &(String, Scene)| SceneAbout {
             unit: self.unit.map(Unit::symbol),
@@ -315,7 +320,7 @@ pub(crate) fn written(search: &Arc<Search>, report: Report) -> Found {
         counts: counts(&report.counts),
         sentences: report.clashes.iter().map(|clash| clash.sentence(&length)).collect(),
         groups: groups.map(|(name, grouping)| (name, group_rows(&report, grouping, &length))).into(),
-        page: ClashPage { search: Arc::clone(search), report: Arc::new(report) },
+        files: ClashFiles::new(search, report),
     }
 }
 

@@ -12,7 +12,7 @@ use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 
 use crate::arrays::row_array;
-use crate::clash::{Files, Flags, Labeled, Lengths, Search, written};
+use crate::clash::{Files, Flags, Labeled, Lengths, Search, UnitAndUp, written};
 use crate::poses;
 use crate::scene_shares::numbers_of_box;
 use crate::shapes::read_shape;
@@ -28,12 +28,12 @@ const COLUMNS: usize = 17;
 pub(crate) fn clash_candidates<'py>(
     py: Python<'py>,
     scenes: Vec<Labeled<'py>>,
-    unit: Option<&str>,
+    unit_and_up: UnitAndUp<'_>,
     lengths: Lengths,
     flags: Flags,
     files: Files,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let search = Arc::new(Search::read(py, scenes, unit, lengths, flags, files)?);
+    let search = Arc::new(Search::read(py, scenes, unit_and_up, lengths, flags, files)?);
     let asking = Arc::clone(&search);
     let found = workers::run(py, move |budget| {
         let sides = asking.sides();
@@ -100,13 +100,13 @@ pub(crate) fn clash_pairs<'py>(
 pub(crate) fn clash_report<'py>(
     py: Python<'py>,
     scenes: Vec<Labeled<'py>>,
-    unit: Option<&str>,
+    unit_and_up: UnitAndUp<'_>,
     lengths: Lengths,
     flags: Flags,
     files: Files,
     findings: &Bound<'py, PyArray2<f64>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let search = Arc::new(Search::read(py, scenes, unit, lengths, flags, files)?);
+    let search = Arc::new(Search::read(py, scenes, unit_and_up, lengths, flags, files)?);
     let findings = findings.readonly();
     let rows: Vec<_> = findings.as_slice()?.as_chunks::<COLUMNS>().0.iter().map(finding_of).collect();
     let asking = Arc::clone(&search);

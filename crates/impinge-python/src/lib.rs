@@ -7,6 +7,7 @@ mod boxes;
 mod character;
 mod character_pose;
 mod clash;
+mod clash_files;
 mod clash_shares;
 mod command;
 mod contacts;
@@ -66,7 +67,9 @@ mod _impinge {
     #[pymodule_export]
     use super::character_pose::PosedCore;
     #[pymodule_export]
-    use super::clash::{ClashPage, clash};
+    use super::clash::clash;
+    #[pymodule_export]
+    use super::clash_files::ClashFiles;
     #[pymodule_export]
     use super::clash_shares::{clash_candidates, clash_pairs, clash_report};
     #[pymodule_export]
@@ -109,7 +112,7 @@ mod _impinge {
     #[pymodule_export]
     use super::partitions::{PartitionCore, box_pairs};
     #[pymodule_export]
-    use super::pictures::{picture_of_pair, to_png};
+    use super::pictures::{picture_of_pair, picture_of_scene, to_png};
     #[pymodule_export]
     use super::points::{closest_point, contains, signed_distance, winding_number};
     #[pymodule_export]

@@ -1,16 +1,16 @@
 //! The page of a report: its blocks say what the report says, and far from the origin nothing is
 //! lost.
 
-use std::io::Read;
+mod blocks;
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+use blocks::block;
 use impinge::clash::{self, Options, Report, Side};
 use impinge::query::batch::Execution;
 use impinge::scene::Scene;
 use impinge::{Mesh, Pose, Positions};
 use impinge_files::{ReportAbout, SceneAbout, write_clash_json};
 use impinge_report::html::write_clash_page;
+use impinge_report::picture::Axis;
 use serde_json::Value;
 
 const FAR: f64 = 500_000.0;
@@ -48,18 +48,8 @@ fn page(scene: &Scene) -> String {
     let (report, about) = answer(scene);
     let mut page = Vec::new();
     let sides = [Side { label: "house".to_owned(), scene }];
-    write_clash_page(&mut page, &sides, &report, &about, "1.2.3").unwrap();
+    write_clash_page(&mut page, &sides, &report, &about, Axis::Y, "1.2.3").unwrap();
     String::from_utf8(page).unwrap()
-}
-
-fn block(page: &str, id: &str) -> Vec<u8> {
-    let head = format!("<script type=\"application/octet-stream\" id=\"{id}\">");
-    let (_, rest) = page.split_once(&head).unwrap();
-    let (text, _) = rest.split_once("</script>").unwrap();
-    let deflated = STANDARD.decode(text.trim()).unwrap();
-    let mut bytes = Vec::new();
-    flate2::read::DeflateDecoder::new(&deflated[..]).read_to_end(&mut bytes).unwrap();
-    bytes
 }
 
 #[test]
@@ -79,7 +69,7 @@ fn facts_have_a_sentence_for_each_clash_and_a_name_for_each_part() {
     assert_eq!(sentences.len(), 4, "{sentences:?}");
     assert!(sentences.iter().all(|sentence| sentence.contains("enters")), "{sentences:?}");
     assert_eq!(facts["scenes"][0]["parts"][4][0], "pipe </script>");
-    assert_eq!((&facts["up"], &facts["boxes"], &facts["curves"]), (&"z".into(), &0.into(), &4.into()));
+    assert_eq!((&facts["up"], &facts["boxes"], &facts["curves"]), (&"y".into(), &0.into(), &4.into()));
     // Half of a step of 1/65535 of the box, along three axes, of the longer of both meshes.
     let rounding = facts["rounding"].as_f64().unwrap();
     assert!((2e-5..4e-5).contains(&rounding), "{rounding}");

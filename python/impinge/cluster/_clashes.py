@@ -31,9 +31,14 @@ class ClashPairs(Call):
     what = "pairs"
 
     def __init__(
-        self, scenes: Sequence[Scene], unit: str | None, lengths: Any, flags: tuple[bool, bool, bool], files: Any
+        self,
+        scenes: Sequence[Scene],
+        unit_and_up: tuple[str | None, str],
+        lengths: Any,
+        flags: tuple[bool, bool, bool],
+        files: Any,
     ) -> None:
-        pairs, asked, boxes = _impinge.clash_candidates(scenes, unit, lengths, flags, files)
+        pairs, asked, boxes = _impinge.clash_candidates(scenes, unit_and_up, lengths, flags, files)
         parts = [part for _, parts, _ in scenes for part in parts]
         self.names = [name for name, *_ in parts]
         self.parts = snapshots([thing for _, thing, *_ in parts])

@@ -83,15 +83,15 @@ class Functions:
     def clash(  # noqa: PLR0917 (the arguments of the extension)
         self,
         scenes: list[Scene],
-        unit: str | None,
+        unit_and_up: tuple[str | None, str],
         lengths: tuple[Any, Any],
         flags: tuple[bool, bool, bool],
         files: tuple[Any, Any],
         progress: bool,
     ) -> Any:
         """Return the report about the clashes of some scenes."""
-        findings = self._answer(ClashPairs(scenes, unit, lengths, flags, files), progress)
-        return _impinge.clash_report(scenes, unit, lengths, flags, files, findings)
+        findings = self._answer(ClashPairs(scenes, unit_and_up, lengths, flags, files), progress)
+        return _impinge.clash_report(scenes, unit_and_up, lengths, flags, files, findings)
 
 
 def scene_call(

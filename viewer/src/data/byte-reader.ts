@@ -26,6 +26,13 @@ export class ByteReader {
     return value;
   }
 
+  /** Reads a number of 4 bytes. */
+  rounded(): number {
+    const value = this.view.getFloat32(this.at, true);
+    this.at += 4;
+    return value;
+  }
+
   numbers(count: number): number[] {
     return Array.from({ length: count }, () => this.number());
   }

@@ -1,8 +1,8 @@
 /** Files that people save: the report with their statuses, and the clashes that they accepted. */
-import type { Finding, Model } from "./model";
+import type { Finding, ClashModel } from "./model";
 
 /** Returns a file for `--accept`: a table for each approved clash, with the depth that it has now. */
-export function acceptFile(model: Model): string {
+export function acceptFile(model: ClashModel): string {
   const unit = model.report.unit ?? "";
   const approved = model.findings.filter(({ row }) => row.status === "approved");
   const files = model.report.scenes.map(({ file, label }) => file ?? label).join(", ");
@@ -31,7 +31,7 @@ function decimal(x: number): string {
 }
 
 /** Returns the report with the statuses and notes of the page, for `--previous`: a line for each item, as `--json` has it. */
-export function reportFile(model: Model): string {
+export function reportFile(model: ClashModel): string {
   const fields = Object.entries(model.report).map(([name, value]) => {
     const isList = Array.isArray(value);
     const text = isList ? `[\n${value.map((item) => JSON.stringify(item)).join(",\n")}]` : JSON.stringify(value);

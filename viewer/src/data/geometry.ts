@@ -72,9 +72,14 @@ function readPart(reader: ByteReader, meshes: QuantizedMesh[]): PlacedPart {
     return { mesh: undefined, columns: [[size[0], 0, 0], [0, size[1], 0], [0, 0, size[2]]], corner: low, box: [low, high] };
   }
   const number = code - FIRST_MESH;
-  const { low, size } = meshes[number];
-  const rows = [readVector(reader), readVector(reader), readVector(reader)] as const;
-  const translation = readVector(reader);
+  return placed(number, meshes[number], reader.numbers(12));
+}
+
+/** Returns a mesh in its place: three rows of a matrix, then a translation. */
+export function placed(number: number, { low, size }: QuantizedMesh, pose: readonly number[]): PlacedPart {
+  const row = (at: number): Vector => [pose[3 * at], pose[3 * at + 1], pose[3 * at + 2]];
+  const rows = [row(0), row(1), row(2)] as const;
+  const translation = row(3);
   const extent = thickened(size);
   const column = (axis: number): Vector => [rows[0][axis] * extent[axis], rows[1][axis] * extent[axis], rows[2][axis] * extent[axis]];
   const columns = [column(0), column(1), column(2)] as const;
@@ -114,7 +119,7 @@ function readCurves(reader: ByteReader): Map<number, Polyline[]> {
   return curves;
 }
 
-function readVector(reader: ByteReader): Vector {
+export function readVector(reader: ByteReader): Vector {
   return reader.numbers(3) as unknown as Vector;
 }
 

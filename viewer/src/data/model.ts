@@ -1,8 +1,8 @@
-/** Everything that the page shows: findings with their parts, names of parts, and geometry. */
+/** Everything that a page shows in its view: parts, geometry and findings. A report of clashes has more. */
 import { around } from "./boxes";
 import { readBlock, readJson } from "./blocks";
 import { readGeometry, type Box, type Geometry, type Polyline, type Vector } from "./geometry";
-import type { ClashRow, DuplicateRow, Facts, Interval, Kind, Part, Report, Status } from "./report";
+import type { Axis, ClashRow, DuplicateRow, Facts, Interval, Kind, Part, Report, Status } from "./report";
 
 /** A clash or a set of duplicates, as the list shows it. */
 export interface Finding {
@@ -41,16 +41,23 @@ export interface NamedPart {
 }
 
 export interface Model {
-  readonly report: Report;
-  readonly facts: Facts;
   readonly geometry: Geometry;
   readonly parts: readonly NamedPart[];
   readonly findings: readonly Finding[];
+  readonly up: Axis;
+  /** The box of everything that is ever in sight; that of all parts in their first places if it is undefined. */
+  readonly extent?: Box | undefined;
+}
+
+/** A report of clashes. */
+export interface ClashModel extends Model {
+  readonly report: Report;
+  readonly facts: Facts;
   readonly byId: ReadonlyMap<string, Finding>;
 }
 
-/** Reads the data of the page. */
-export async function readModel(): Promise<Model> {
+/** Reads the data of a report of clashes. */
+export async function readClashModel(): Promise<ClashModel> {
   const [report, facts, bytes] = await Promise.all([
     readJson<Report>("report"),
     readJson<Facts>("facts"),
@@ -68,21 +75,21 @@ export async function readModel(): Promise<Model> {
   const clashCount = report.clashes.length;
   const sets = report.duplicates.map((row, at) => {
     const box = geometry.parts[place(row.parts[0])]?.box;
-    return finding(row, row.parts, { index: at, kind: "duplicate", sentence: facts.sentences[clashCount + at], box }, place);
+    return finding(row, row.parts, { index: at, kind: "duplicate", sentence: facts.sentences[clashCount + at], box }, row.parts.map(place));
   });
   const clashes = report.clashes.map((row, at) => {
     const outer = row.inner === "a" ? place(row.b) : row.inner === "b" ? place(row.a) : undefined;
     const curves = geometry.curves.get(at) ?? [];
     const own = { index: sets.length + at, kind: row.kind, sentence: facts.sentences[at], box: row.box, outer, curves };
-    return finding(row, [row.a, row.b], own, place);
+    return finding(row, [row.a, row.b], own, [place(row.a), place(row.b)]);
   });
   const findings = [...sets, ...clashes];
-  return { report, facts, geometry, parts, findings, byId: new Map(findings.map((each) => [each.id, each])) };
+  return { report, facts, geometry, parts, findings, up: facts.up, byId: new Map(findings.map((each) => [each.id, each])) };
 }
 
 type Own = Pick<Finding, "index" | "kind" | "sentence" | "box"> & Partial<Pick<Finding, "outer" | "curves">>;
 
-function finding(row: ClashRow | DuplicateRow, parts: Part[], own: Own, place: (part: Part) => number): Finding {
+function finding(row: ClashRow | DuplicateRow, parts: Part[], own: Own, places: readonly number[]): Finding {
   const clash = "kind" in row ? row : undefined;
   const words = parts.slice(0, 4).flatMap(({ scene, key, type, name, path }) => [scene, key, type ?? "", name, ...(path ?? [])]);
   return {
@@ -92,7 +99,7 @@ function finding(row: ClashRow | DuplicateRow, parts: Part[], own: Own, place: (
     extent: extentOf(own, clash?.point),
     id: row.id,
     parts,
-    places: parts.map(place),
+    places,
     rule: row.rule,
     severity: row.severity,
     depth: clash?.depth,
@@ -103,6 +110,12 @@ function finding(row: ClashRow | DuplicateRow, parts: Part[], own: Own, place: (
     text: [row.id, own.kind, row.rule ?? "", row.severity ?? "", own.sentence, ...words].join("\n").toLowerCase(),
     row,
   };
+}
+
+/** Returns a finding about two parts that no report states. */
+export function pairOf(places: readonly number[], sentence: string, own: Partial<Pick<Finding, "box" | "curves">>): Finding {
+  const about: Own = { index: 0, kind: "clash", sentence, box: undefined, ...own };
+  return finding({ id: "pair", status: "new", parts: [] }, [], about, places);
 }
 
 function extentOf({ kind, box, curves = [] }: Own, point: Vector | undefined): Box | undefined {

@@ -77,9 +77,12 @@ export interface Report {
   stopped?: string;
 }
 
+/** An axis of the world. */
+export type Axis = "x" | "y" | "z";
+
 /** What the page states beside the report. See `crates/impinge-report/src/html/facts.rs`. */
 export interface Facts {
-  up: "y" | "z";
+  up: Axis;
   meters?: number;
   sentences: string[];
   scenes: { label: string; parts: [name: string, type: string][] }[];

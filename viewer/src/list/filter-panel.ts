@@ -1,4 +1,5 @@
 /** The search and the filters above the list. */
+import type { ClashModel } from "../data/model";
 import type { Lengths } from "../data/length";
 import { KINDS, STATUSES } from "../data/report";
 import { count, get, make } from "../elements";
@@ -18,7 +19,7 @@ export class FilterPanel {
   private readonly depths: readonly [number, number] | undefined;
 
   constructor(
-    private readonly store: Store,
+    private readonly store: Store<ClashModel>,
     private readonly lengths: Lengths,
   ) {
     this.depths = rangeOfDepths(store);
@@ -123,7 +124,7 @@ export class FilterPanel {
   }
 }
 
-function rangeOfDepths(store: Store): readonly [number, number] | undefined {
+function rangeOfDepths(store: Store<ClashModel>): readonly [number, number] | undefined {
   let least = Infinity;
   let most = 0;
   for (const { depth } of store.model.findings) {

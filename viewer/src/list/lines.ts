@@ -1,5 +1,5 @@
 /** The lines of the list: findings, and heads of groups that can be folded. */
-import type { Finding, Model } from "../data/model";
+import type { ClashModel, Finding } from "../data/model";
 
 export interface Head {
   readonly kind: "head";
@@ -22,7 +22,7 @@ export class Groups {
   private readonly titles: string[] = [];
   private readonly groupOf: Int32Array;
 
-  constructor(model: Model) {
+  constructor(model: ClashModel) {
     this.groupOf = new Int32Array(model.findings.length).fill(-1);
     const duplicates = model.findings.filter(({ kind }) => kind === "duplicate");
     if (duplicates.length > 1) this.add("Duplicates: one shape in one place", duplicates);

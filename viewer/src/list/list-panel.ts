@@ -1,5 +1,5 @@
 /** The list of findings. */
-import type { Finding } from "../data/model";
+import type { ClashModel, Finding } from "../data/model";
 import { count, get, make } from "../elements";
 import type { Lengths } from "../data/length";
 import type { Store } from "../state";
@@ -17,7 +17,7 @@ export class ListPanel {
   private readonly list: VirtualList;
 
   constructor(
-    private readonly store: Store,
+    private readonly store: Store<ClashModel>,
     private readonly lengths: Lengths,
   ) {
     this.groups = new Groups(store.model);

@@ -1,6 +1,6 @@
 /** The panel beside the view: everything that the report says about the selected finding. */
 import type { Lengths } from "../data/length";
-import type { Finding } from "../data/model";
+import type { ClashModel, Finding } from "../data/model";
 import { STATUSES, type Kind, type Part } from "../data/report";
 import { counted, get, make } from "../elements";
 import type { Store } from "../state";
@@ -22,7 +22,7 @@ export class DetailsPanel {
   private readonly frame = get("details");
 
   constructor(
-    private readonly store: Store,
+    private readonly store: Store<ClashModel>,
     private readonly lengths: Lengths,
   ) {
     store.listen((state, changed) => {

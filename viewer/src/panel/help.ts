@@ -1,7 +1,7 @@
 /** The help sheet: the keys, and what the page is made of. */
 import type { Command } from "../commands";
 import type { Lengths } from "../data/length";
-import type { Model } from "../data/model";
+import type { ClashModel } from "../data/model";
 import { counted, get, make } from "../elements";
 import { boxSentence } from "./overview";
 
@@ -12,13 +12,13 @@ export function helpSheet(): () => void {
   return () => (sheet.open ? sheet.close() : sheet.showModal());
 }
 
-export function fillHelp(commands: readonly Command[], model: Model, lengths: Lengths): void {
+export function fillHelp(commands: readonly Command[], about: readonly string[]): void {
   const rows = commands.map(({ key, does }) => make("tr", {}, make("td", {}, make("kbd", {}, key)), make("td", {}, does)));
   get("help-keys").replaceChildren(...rows);
-  get("help-about").replaceChildren(...aboutLines(model, lengths).map((line) => make("li", {}, line)));
+  get("help-about").replaceChildren(...about.map((line) => make("li", {}, line)));
 }
 
-function aboutLines({ report, facts, findings }: Model, lengths: Lengths): string[] {
+export function aboutReport({ report, facts, findings }: ClashModel, lengths: Lengths): string[] {
   const clashes = findings.length - report.duplicates.length;
   const lines = [
     `Written by impinge ${report.version} from ${report.scenes.map(({ file, label }) => file ?? label).join(", ")}.`,

@@ -1,10 +1,10 @@
 /** What the panel beside the view says about the whole report, while no clash is selected. */
 import type { Lengths } from "../data/length";
-import type { Model } from "../data/model";
+import type { ClashModel } from "../data/model";
 import type { Report } from "../data/report";
 import { count, counted, make } from "../elements";
 
-export function overview({ report, facts }: Model, lengths: Lengths): HTMLElement[] {
+export function overview({ report, facts }: ClashModel, lengths: Lengths): HTMLElement[] {
   const scenes = report.scenes.map(({ label, parts, triangles }) =>
     make("li", {}, make("b", {}, label), ` ${counted(parts, "part")}, ${counted(triangles, "triangle")}`),
   );

@@ -1,9 +1,10 @@
 /** The menu that saves statuses. */
+import type { ClashModel } from "../data/model";
 import { acceptFile, reportFile, save } from "../data/downloads";
 import { get } from "../elements";
 import type { Store } from "../state";
 
-export function saveMenu(store: Store): void {
+export function saveMenu(store: Store<ClashModel>): void {
   const menu = get<HTMLDetailsElement>("save-menu");
   const done = () => {
     menu.open = false;

@@ -1,4 +1,8 @@
 /** Colors of the view. Those of the two parts differ for people with any kind of color blindness (Okabe and Ito). */
+import { ColorManagement } from "three";
+
+// Colors are drawn as they are. Without a graphics card, converting each pixel takes longer than lighting it.
+ColorManagement.enabled = false;
 
 export const FIRST = 0x2f7fc1;
 export const SECOND = 0xe69f00;
@@ -13,6 +17,10 @@ export interface Theme {
   readonly solid: number;
   readonly edge: number;
   readonly shared: number;
+  /** Intersecting faces. */
+  readonly hit: number;
+  /** Boxes of a hierarchy. */
+  readonly box: number;
 }
 
 export const LIGHT: Theme = {
@@ -22,6 +30,8 @@ export const LIGHT: Theme = {
   solid: 0xd5d9e0,
   edge: 0x1b2330,
   shared: SHARED,
+  hit: 0xe0729b,
+  box: 0x1f5fa8,
 };
 
 export const DARK: Theme = {
@@ -31,4 +41,6 @@ export const DARK: Theme = {
   solid: 0x8d98a8,
   edge: 0x05070a,
   shared: 0xff5c9a,
+  hit: 0xc9447a,
+  box: 0x7db7f2,
 };

@@ -1,6 +1,9 @@
 /** All parts of the model, drawn in one call: ghosts around the selected ones, or solid. */
-import { BatchedMesh, Color, DoubleSide, MeshLambertMaterial, type Plane, type Vector3 } from "three";
+import { BatchedMesh, Color, Vector3, type Plane } from "three";
+import { diagonal, middle } from "../data/boxes";
+import type { PlacedPart } from "../data/geometry";
 import type { Theme } from "./colors";
+import { FacetMaterial } from "./facet-material";
 import { GhostMaterial } from "./ghost-material";
 import type { Placement } from "./placement";
 
@@ -8,10 +11,13 @@ import type { Placement } from "./placement";
 const PLAIN = new Color(1, 1, 1);
 const MARKED = new Color(0.3, 4, 3.2);
 
+/** Number of triangles that a slow machine draws around the selected parts while the camera moves. */
+const FEW_TRIANGLES = 5000;
+
 export class Context {
   readonly mesh: BatchedMesh;
   private readonly ghost = new GhostMaterial();
-  private readonly solid = new MeshLambertMaterial({ side: DoubleSide, flatShading: true });
+  private readonly solid = new FacetMaterial();
   /** Instance of each part, or -1 if the part is not drawn. */
   private readonly instances: Int32Array;
   private marked: number | undefined;
@@ -47,6 +53,25 @@ export class Context {
     this.instances.forEach((instance, place) => {
       if (instance >= 0) this.mesh.setVisibleAt(instance, isShown(place));
     });
+  }
+
+  /** Returns the parts that matter most in a view of a place: large ones, and ones near it. They have few triangles together. */
+  mostVisible(place: Vector3, reach: number): ReadonlySet<number> {
+    const { parts } = this.placement.geometry;
+    const weigh = ({ box }: PlacedPart) => {
+      const distance = box === undefined ? Infinity : place.distanceTo(new Vector3(...this.placement.toView(middle(box))));
+      return diagonal(box) / (distance + reach);
+    };
+    const order = parts.map((part, at) => [weigh(part), at] as const).sort((a, b) => b[0] - a[0]);
+    const kept = new Set<number>();
+    let left = FEW_TRIANGLES;
+    for (const [, at] of order) {
+      const triangles = (this.placement.triangles(this.placement.shapeOf(parts[at])).getIndex()?.count ?? 0) / 3;
+      if (triangles > left) continue;
+      left -= triangles;
+      kept.add(at);
+    }
+    return kept;
   }
 
   /** Gives a part another color, and the part that had it before its own. */

@@ -1,24 +1,18 @@
 /** The parts of the selected finding: solid, with their edges, their curves and the point of the clash. */
 import {
-  BackSide, BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial,
-  Points, PointsMaterial, Vector2, type Plane,
+  BackSide, BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh,
+  Points, Vector2, type Plane,
 } from "three";
-import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
-import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
-import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
 import type { Finding } from "../data/model";
 import { FIRST, SECOND, type Theme } from "./colors";
+import { FacetMaterial } from "./facet-material";
 import { featureEdges } from "./feature-edges";
 import type { Placement } from "./placement";
+import { dots } from "./dots";
+import { WideLines, wideLines } from "./wide-lines";
 
 /** Opacity of a part that contains another. Its front is left out, so that the other is in sight. */
 const OUTER_OPACITY = 0.45;
-
-/** Width of curves in pixels. */
-const CURVE_WIDTH = 3;
-
-/** Opacity of curves and points behind a part. */
-const HIDDEN_OPACITY = 0.4;
 
 /** Largest number of duplicates of one set that are drawn: they are all in one place. */
 const MAX_PARTS = 8;
@@ -57,14 +51,14 @@ export class Focus {
   setSize(width: number, height: number): void {
     this.size = new Vector2(width, height);
     this.group.traverse((object) => {
-      if (object instanceof LineSegments2) object.material.resolution.copy(this.size);
+      if (object instanceof WideLines) object.setSize(this.size);
     });
   }
 
   private clear(): void {
     this.group.traverse((object) => {
       // The triangles belong to the placement, and are used again.
-      if (object instanceof LineSegments || object instanceof LineSegments2 || object instanceof Points) object.geometry.dispose();
+      if (object instanceof LineSegments || object instanceof WideLines || object instanceof Points) object.geometry.dispose();
       const { material } = object as Mesh;
       if (material !== undefined && !Array.isArray(material)) material.dispose();
     });
@@ -76,10 +70,9 @@ export class Focus {
     if (part?.box === undefined) return;
     const triangles = this.placement.triangles(this.placement.shapeOf(part));
     const matrix = this.placement.matrix(part);
-    const material = new MeshLambertMaterial({
+    const material = new FacetMaterial({
       color,
       side: isTranslucent ? BackSide : DoubleSide,
-      flatShading: true,
       polygonOffset: true,
       polygonOffsetFactor: 1,
       polygonOffsetUnits: 1,
@@ -109,39 +102,13 @@ export class Focus {
         ends.push(...this.placement.toView([line[at + 3], line[at + 4], line[at + 5]]));
       }
     }
-    if (ends.length === 0) return;
-    const geometry = new LineSegmentsGeometry().setPositions(ends);
-    for (const isBehind of [true, false]) {
-      const material = new LineMaterial({
-        color: theme.shared,
-        linewidth: CURVE_WIDTH,
-        transparent: isBehind,
-        opacity: isBehind ? HIDDEN_OPACITY : 1,
-        depthTest: !isBehind,
-        depthWrite: !isBehind,
-      });
-      material.resolution.copy(this.size);
-      const lines = new LineSegments2(geometry, material);
-      lines.renderOrder = isBehind ? 20 : 2;
-      this.group.add(lines);
-    }
+    if (ends.length > 0) this.group.add(...wideLines(ends, theme.shared, this.size));
   }
 
   private addPoint(finding: Finding, theme: Theme): void {
     if (finding.point === undefined) return;
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(Float32Array.from(this.placement.toView(finding.point)), 3));
-    for (const [size, color] of [[16, theme.background], [11, theme.shared]] as const) {
-      const material = new PointsMaterial({ size, color, sizeAttenuation: false, depthTest: false, transparent: true });
-      material.onBeforeCompile = (shader) => {
-        shader.fragmentShader = shader.fragmentShader.replace(
-          "#include <clipping_planes_fragment>",
-          "#include <clipping_planes_fragment>\nif (length(gl_PointCoord - 0.5) > 0.5) discard;",
-        );
-      };
-      const point = new Points(geometry, material);
-      point.renderOrder = 30;
-      this.group.add(point);
-    }
+    this.group.add(...dots(geometry, theme));
   }
 }

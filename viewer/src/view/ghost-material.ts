@@ -9,6 +9,8 @@ export class GhostMaterial extends MeshBasicMaterial {
     reach: { value: 1 },
     /** Opacity of parts far from it, relative to that of near parts. */
     far: { value: 0.35 },
+    /** Distance from the eye up to which ghosts fade, because they would hide the rest. */
+    closeness: { value: 1 },
   };
 
   constructor() {
@@ -19,14 +21,17 @@ export class GhostMaterial extends MeshBasicMaterial {
         .replace("void main() {", "varying vec3 seen;\nvoid main() {")
         .replace("#include <project_vertex>", "#include <project_vertex>\nseen = mvPosition.xyz;");
       shader.fragmentShader = shader.fragmentShader
-        .replace("void main() {", "varying vec3 seen;\nuniform vec3 pivot;\nuniform float reach;\nuniform float far;\nvoid main() {")
+        .replace("void main() {", "varying vec3 seen;\nuniform vec3 pivot;\nuniform float reach;\nuniform float far;\nuniform float closeness;\nvoid main() {")
         .replace(
           "#include <opaque_fragment>",
-          `vec3 across = normalize(cross(dFdx(seen), dFdy(seen)));
-           float rim = 1.0 - abs(dot(across, normalize(seen)));
-           float fade = mix(far, 1.0, exp(-max(distance(seen, pivot) / reach - 1.0, 0.0)));
+          `vec3 across = cross(dFdx(seen), dFdy(seen));
+           float facing = dot(across, seen);
+           // The square of the cosine between the surface and the direction of view.
+           float rim = 1.0 - sqrt(facing * facing / max(dot(across, across) * dot(seen, seen), 1e-30));
+           float beyond = max(distance(seen, pivot) / reach - 1.0, 0.0);
+           float fade = mix(far, 1.0, 1.0 / (1.0 + beyond * (1.0 + beyond)));
            // Parts close before the eye hide the rest.
-           fade *= smoothstep(0.05, 0.6, length(seen) / max(length(pivot), 1e-12));
+           fade *= clamp(-seen.z / closeness - 0.1, 0.0, 1.0);
            diffuseColor.a *= fade * (0.18 + 0.82 * rim * rim * rim);
            #include <opaque_fragment>`,
         );
@@ -42,5 +47,6 @@ export class GhostMaterial extends MeshBasicMaterial {
   setPivot(pivot: Vector3, reach: number): void {
     this.uniforms.pivot.value.copy(pivot);
     this.uniforms.reach.value = reach;
+    this.uniforms.closeness.value = 0.55 * pivot.length() || 1;
   }
 }

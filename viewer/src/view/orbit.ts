@@ -1,5 +1,6 @@
 /** A camera that turns around a target, by mouse, fingers or keys, and flies from one place to the next. */
 import { PerspectiveCamera, Vector3 } from "three";
+import type { Axis } from "../data/report";
 
 /** Vertical field of view in degrees. */
 const FIELD_OF_VIEW = 40;
@@ -33,10 +34,10 @@ export class Orbit {
 
   constructor(
     private readonly element: HTMLElement,
-    private readonly up: "y" | "z",
+    private readonly up: Axis,
     private readonly changed: () => void,
   ) {
-    this.camera.up.set(0, up === "y" ? 1 : 0, up === "z" ? 1 : 0);
+    this.camera.up.set(Number(up === "x"), Number(up === "y"), Number(up === "z"));
     element.addEventListener("pointerdown", (event) => this.press(event));
     element.addEventListener("pointermove", (event) => this.drag(event));
     for (const end of ["pointerup", "pointercancel"] as const) {
@@ -50,13 +51,13 @@ export class Orbit {
   /** Returns the direction from the target to the camera. */
   direction({ yaw, pitch } = this.stance): Vector3 {
     const [x, y, z] = [Math.cos(pitch) * Math.cos(yaw), Math.cos(pitch) * Math.sin(yaw), Math.sin(pitch)];
-    return this.up === "z" ? new Vector3(x, y, z) : new Vector3(x, z, -y);
+    return { x: new Vector3(z, x, y), y: new Vector3(x, z, -y), z: new Vector3(x, y, z) }[this.up];
   }
 
   /** Returns the angles of a direction from the target to the camera. */
   angles(direction: Vector3): { yaw: number; pitch: number } {
     const { x, y, z } = direction.clone().normalize();
-    const [along, across, above] = this.up === "z" ? [x, y, z] : [x, -z, y];
+    const [along, across, above] = { x: [y, z, x], y: [x, -z, y], z: [x, y, z] }[this.up];
     return { yaw: Math.atan2(across, along), pitch: Math.asin(Math.min(Math.max(above, -1), 1)) };
   }
 

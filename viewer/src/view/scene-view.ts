@@ -1,5 +1,5 @@
 /** The view in three dimensions: the model, the selected finding, and what the person does with them. */
-import { Color, DirectionalLight, HemisphereLight, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Ray } from "three";
+import { Color, LinearSRGBColorSpace, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Ray } from "three";
 import { around, diagonal, middle } from "../data/boxes";
 import type { Box } from "../data/geometry";
 import type { Lengths } from "../data/length";
@@ -12,6 +12,7 @@ import { Focus } from "./focus";
 import { Markers, placeOf } from "./markers";
 import { Measure, snap } from "./measure";
 import { Orbit } from "./orbit";
+import type { Overlay } from "./overlay";
 import { Picker, type Hit } from "./picker";
 import { Placement } from "./placement";
 import { Section } from "./section";
@@ -40,44 +41,50 @@ export class SceneView {
   private readonly focus: Focus;
   private readonly caps: SectionCaps;
   private readonly markers: Markers;
+  private readonly overlay: Overlay | undefined;
   private readonly measure: Measure;
   private readonly section = new Section();
   private readonly scale: Scale;
   private readonly resolution: Resolution;
   /** Timer of the fine picture after a motion. */
   private rest: number | undefined;
-  private readonly lamp = new DirectionalLight(0xffffff, 1.6);
   /** The box around all parts. */
   private readonly whole: Box;
   private theme: Theme = LIGHT;
   private fitted = 0;
   private isDirty = false;
+  /** Whether only few parts are drawn around the selected ones. */
+  private isThinned = false;
   private pressed: { x: number; y: number } | undefined;
 
+  /** `makeOverlay` returns what a page draws beside parts and findings. */
   constructor(
     private readonly store: Store,
     lengths: Lengths,
+    makeOverlay?: (placement: Placement) => Overlay,
+    /** Whether the camera flies to each finding that is selected. */
+    private readonly followsSelection = true,
   ) {
     const isSlow = isSoftware();
     this.resolution = new Resolution(isSlow);
     this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !isSlow, stencil: true });
     this.renderer.localClippingEnabled = true;
+    this.renderer.outputColorSpace = LinearSRGBColorSpace; // colors are drawn as they are
     this.placement = new Placement(store.model.geometry);
     const corners = store.model.geometry.parts.flatMap((part) => part.box ?? []);
-    this.whole = corners.length === 0 ? [[-1, -1, -1], [1, 1, 1]] : around(corners);
+    this.whole = store.model.extent ?? (corners.length === 0 ? [[-1, -1, -1], [1, 1, 1]] : around(corners));
     this.placement.origin = middle(this.whole);
     this.picker = new Picker(this.placement);
-    this.orbit = new Orbit(this.canvas, store.model.facts.up, () => this.redraw());
+    this.orbit = new Orbit(this.canvas, store.model.up, () => this.redraw());
     this.context = new Context(this.placement);
     this.focus = new Focus(this.placement);
     this.caps = new SectionCaps(this.placement);
     this.markers = new Markers(this.placement);
+    this.overlay = makeOverlay?.(this.placement);
     this.measure = new Measure(lengths);
     this.scale = new Scale(lengths);
-    const sky = new HemisphereLight(0xffffff, 0x8f959e, 1.5);
-    sky.position.copy(this.orbit.camera.up);
-    this.scene.add(sky, this.lamp, this.lamp.target);
     this.scene.add(this.context.mesh, this.focus.group, this.caps.group, this.markers.points, this.measure.group);
+    if (this.overlay !== undefined) this.scene.add(this.overlay.group);
     this.canvas.addEventListener("pointerdown", ({ clientX, clientY }) => (this.pressed = { x: clientX, y: clientY }));
     this.canvas.addEventListener("pointerup", (event) => this.release(event));
     this.canvas.addEventListener("pointermove", (event) => this.hover(event));
@@ -109,6 +116,12 @@ export class SceneView {
     const axes: SectionAxis[] = ["x", "y", "z", "view"];
     const at = axes.indexOf(this.store.now.section ?? "view");
     this.store.set({ section: axes[(at + 1) % axes.length] });
+  }
+
+  /** Draws everything again, after parts or the overlay changed. */
+  changed(): void {
+    this.context.place();
+    this.restage();
   }
 
   /** Moves the section plane: `share` is a share of the reach of the clash, from -1 to 1. */
@@ -148,9 +161,11 @@ export class SceneView {
   private follow(state: Readonly<State>, changed: ReadonlySet<keyof State>): void {
     if (changed.has("selected")) {
       this.section.offset = 0;
-      this.moveOrigin(state.selected);
-      this.fitted = 0;
-      this.fit(state.selected === undefined ? "model" : "clash");
+      if (this.followsSelection) {
+        this.moveOrigin(state.selected);
+        this.fitted = 0;
+        this.fit(state.selected === undefined ? "model" : "clash");
+      }
     }
     if (changed.has("section") && state.section !== undefined) this.section.turn(state.section, this.toCamera);
     if (changed.has("isMeasuring") && !state.isMeasuring) this.measure.clear();
@@ -160,15 +175,29 @@ export class SceneView {
   /** Draws everything as the state says. */
   private restage(): void {
     const { selected, hidden, surroundings, kept, picked } = this.store.now;
-    const isSelected = new Set(selected?.places);
     this.focus.show(selected, hidden, this.theme);
     this.context.setSolid(surroundings === "solid");
     this.context.mark(picked);
-    this.context.show((place) => !isSelected.has(place) && !hidden.has(place));
+    this.showContext();
     this.markers.points.visible = selected === undefined;
     if (selected === undefined) this.markers.show(kept);
+    this.overlay?.show(this.theme, hidden);
     this.placeSection();
     this.redraw();
+  }
+
+  /** Shows the parts around the selected ones: few of them while a slow machine moves. */
+  private showContext(): void {
+    const { selected, hidden } = this.store.now;
+    const isSelected = new Set(selected?.places);
+    const kept = this.isThinned ? this.context.mostVisible(this.pivot(), this.reachOf(selected)) : undefined;
+    this.context.show((place) => !isSelected.has(place) && !hidden.has(place) && (kept?.has(place) ?? true));
+  }
+
+  /** Returns the place that matters in the view. */
+  private pivot(): Vector3 {
+    const { selected } = this.store.now;
+    return selected === undefined ? this.orbit.stance.target.clone() : new Vector3(...this.placement.toView(placeOf(selected) ?? [0, 0, 0]));
   }
 
   private placeSection(): void {
@@ -180,6 +209,7 @@ export class SceneView {
     const planes = isCut ? [this.section.plane] : [];
     this.context.setClipping(planes);
     this.focus.setClipping(planes);
+    this.overlay?.setClipping(planes);
     this.caps.show(selected, hidden, isCut ? this.section.plane : undefined, this.theme);
   }
 
@@ -295,6 +325,7 @@ export class SceneView {
     this.renderer.setSize(width, height, false);
     this.orbit.camera.aspect = width / height;
     this.focus.setSize(width, height);
+    this.overlay?.setSize(width, height);
     this.redraw();
   }
 
@@ -326,15 +357,17 @@ export class SceneView {
     const isFlying = this.orbit.update(now);
     const { camera } = this.orbit;
     if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
-    this.lamp.position.copy(camera.position).add(new Vector3(0.3, 0.5, 0).applyQuaternion(camera.quaternion).multiplyScalar(this.orbit.stance.distance));
-    this.lamp.target.position.copy(this.orbit.stance.target);
-    const at = selected === undefined ? this.orbit.stance.target : new Vector3(...this.placement.toView(placeOf(selected) ?? [0, 0, 0]));
     const reach = selected === undefined ? 1e30 : 2 * this.reachOf(selected);
-    this.context.setPivot(at.clone().applyMatrix4(camera.matrixWorldInverse), reach);
-    const { surroundings } = this.store.now;
-    this.context.mesh.visible = selected === undefined || (surroundings !== "none" && !(this.resolution.isTooSlow && ratio < this.resolution.finest));
+    this.context.setPivot(this.pivot().applyMatrix4(camera.matrixWorldInverse), reach);
+    const isThinned = this.resolution.isTooSlow && ratio < this.resolution.finest;
+    if (isThinned !== this.isThinned) {
+      this.isThinned = isThinned;
+      this.showContext();
+    }
+    this.context.mesh.visible = selected === undefined || this.store.now.surroundings !== "none";
     this.renderer.render(this.scene, camera);
     this.measure.placeLabel(this.toScreen);
+    this.overlay?.placeLabel(this.toScreen);
     this.scale.show(this.orbit.lengthOfPixel(), camera);
     return isFlying;
   }

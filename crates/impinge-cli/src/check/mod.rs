@@ -2,6 +2,7 @@
 
 mod curves_file;
 mod json;
+mod page;
 mod pairs_file;
 mod report;
 
@@ -16,6 +17,7 @@ use impinge::query::{self, Curves, Distance, LimitedPairs, Penetrates, SolidInte
 use impinge::{InputError, Pose};
 use impinge_files::Unit;
 
+use crate::axis::Axis;
 use crate::body::{Body, Loaded, Reading};
 use crate::bounds::Bounds;
 use crate::failure::Failure;
@@ -79,6 +81,15 @@ pub(crate) struct Arguments {
     /// Write the intersection curves to an .obj file
     #[arg(long, value_name = "OUT")]
     curves: Option<PathBuf>,
+    /// Write a page for a browser to an .html file: both meshes, and where they intersect or where
+    /// they are nearest
+    ///
+    /// The page needs no other file and no network.
+    #[arg(long, value_name = "OUT")]
+    view: Option<PathBuf>,
+    /// Axis that points up in the page; y for glTF and z for other files by default
+    #[arg(long, value_name = "AXIS", requires = "view")]
+    up: Option<Axis>,
     /// Report the distance with nearest points and faces; 0 if the meshes intersect, as solids if
     /// `--solid` is given
     #[arg(long)]
@@ -161,6 +172,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     for path in [arguments.pairs.as_deref(), curves_file].into_iter().flatten() {
         output::validate(path, &[&arguments.a, &arguments.b])?;
     }
+    if let Some(path) = &arguments.view {
+        output::validate_page(path, &[&arguments.a, &arguments.b])?;
+    }
     if [&arguments.a, &arguments.b].into_iter().all(|path| path == Path::new("-")) {
         return Err(Failure::new("usage", "standard input holds one mesh; read the other one from a file").at("-"));
     }
@@ -178,6 +192,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     }
     if let (Some(path), Some(curves)) = (curves_file, &outcome.curves) {
         curves_file::write(path, curves)?;
+    }
+    if let Some(path) = &arguments.view {
+        page::write(path, &outcome, arguments.up)?;
     }
     let text = if arguments.json { json::object(&outcome) } else { report::text(&outcome) };
     outcome.hint_at_containment();
@@ -203,9 +220,9 @@ impl Arguments {
     }
 
     /// Reports whether to compute the intersection curves: for every text report, and for JSON only
-    /// with `--curves`.
+    /// with `--curves` or `--view`.
     fn wants_curves(&self) -> bool {
-        !self.json || self.curves.is_some()
+        !self.json || self.curves.is_some() || self.view.is_some()
     }
 }
 

@@ -32,13 +32,19 @@ pub(super) fn text(outcome: &Outcome) -> String {
 
 /// Returns the first line: the same verdict as the exit code, and the number of pairs.
 fn verdict(outcome: &Outcome) -> String {
+    let style = if outcome.verdict() == Verdict::Clear { CLEAR } else { COLLISION };
+    let [headline, counted] = headline(outcome);
+    format!("{style}{headline}{style:#}{counted}\n")
+}
+
+/// Returns the verdict, and the number of pairs after a colon if there are any.
+pub(super) fn headline(outcome: &Outcome) -> [String; 2] {
     let pairs = outcome.pairs.len();
     let headline = match (pairs, outcome.solid.and_then(|solid| solid.contained)) {
         (0, None) => "No intersection".to_owned(),
         (0, Some(contained)) => inside(contained).to_owned(),
         (_, _) => "The meshes intersect".to_owned(),
     };
-    let style = if outcome.verdict() == Verdict::Clear { CLEAR } else { COLLISION };
     let headline = match outcome.penetrates {
         None => headline,
         Some(Penetrates::No) if pairs > 0 => "The meshes touch, but do not penetrate".to_owned(),
@@ -47,7 +53,7 @@ fn verdict(outcome: &Outcome) -> String {
         Some(Penetrates::Undecided) => "The meshes may penetrate each other: undecided".to_owned(),
     };
     let counted = if pairs == 0 { String::new() } else { format!(": {} of faces", counted(pairs, "pair")) };
-    format!("{style}{headline}{style:#}{counted}\n")
+    [headline, counted]
 }
 
 fn inside(contained: Contained) -> &'static str {
@@ -75,7 +81,7 @@ fn meshes(outcome: &Outcome) -> String {
     text
 }
 
-fn describe(body: &Body, bounds: Option<&Bounds>) -> [String; 5] {
+pub(super) fn describe(body: &Body, bounds: Option<&Bounds>) -> [String; 5] {
     let about = &body.about;
     let extents = match bounds {
         Some(bounds) => bounds.extents().map(length).join(" x "),
@@ -95,7 +101,7 @@ fn describe(body: &Body, bounds: Option<&Bounds>) -> [String; 5] {
 }
 
 /// Returns the distance and the nearest points as text.
-fn distance_text(outcome: &Outcome, distance: &Distance, unit: &str) -> String {
+pub(super) fn distance_text(outcome: &Outcome, distance: &Distance, unit: &str) -> String {
     let Some(Witness { point_a, point_b, faces: Some([face_a, face_b]) }) = distance.witness else {
         let is_inside = distance.upper == 0.0;
         return if is_inside { "0: one lies inside the other" } else { "infinite: a mesh is empty" }.to_owned();
@@ -113,7 +119,7 @@ fn distance_text(outcome: &Outcome, distance: &Distance, unit: &str) -> String {
 }
 
 /// Returns the labeled lines below the verdict.
-fn findings(outcome: &Outcome) -> Vec<(&'static str, String)> {
+pub(super) fn findings(outcome: &Outcome) -> Vec<(&'static str, String)> {
     let mut findings = Vec::new();
     if let (Some(contained), false) = (outcome.solid.and_then(|solid| solid.contained), outcome.pairs.is_empty()) {
         findings.push(("inside", format!("{}, in part", inside(contained))));

@@ -5,7 +5,7 @@ use std::time::UNIX_EPOCH;
 
 use impinge::clash::{Previous, Report, Side};
 use impinge_files::{Limits, ReportAbout, Unit, load_previous};
-use impinge_report::bcf::{BcfOptions, BcfVersion, load_previous_bcf, write_bcf};
+use impinge_report::bcf::{BcfOptions, BcfVersion, is_bcf, load_previous_bcf, write_bcf};
 use impinge_report::picture::{self, Gallery, View};
 
 use super::scenes::Loaded;
@@ -30,11 +30,6 @@ pub(super) struct HandedOver {
     pub(super) topics: Option<usize>,
 }
 
-/// Reports whether a path names a BCF file.
-pub(super) fn is_bcf(path: &Path) -> bool {
-    ["bcfzip", "bcf"].contains(&output::extension(path).as_str())
-}
-
 /// Validates the folder of the pictures: it exists, or its parent does.
 pub(super) fn validate_folder(path: &Path) -> Result<(), Failure> {
     if path.exists() && !path.is_dir() {
@@ -53,6 +48,15 @@ pub(super) fn previous(path: &Path, unit: Option<Unit>, limits: &Limits) -> Resu
     load_previous_bcf(path, unit).map_err(|error| Failure::new("bcf", error.to_string()).in_file(path))
 }
 
+/// Returns the axis that points up: the one that was asked for, or that of the format.
+pub(super) fn up(arguments: &Arguments, loaded: &[Loaded]) -> picture::Axis {
+    match arguments.up {
+        Some(axis) => axis.into(),
+        None if loaded.iter().any(|scene| scene.is_gltf) => picture::Axis::Y,
+        None => picture::Axis::Z,
+    }
+}
+
 /// Writes the requested pictures and the BCF file.
 pub(super) fn write(
     arguments: &Arguments,
@@ -61,11 +65,7 @@ pub(super) fn write(
     report: &Report,
     about: &ReportAbout<'_>,
 ) -> Result<HandedOver, Failure> {
-    let up = match arguments.up {
-        Some(axis) => axis.into(),
-        None if loaded.iter().any(|scene| scene.is_gltf) => picture::Axis::Y,
-        None => picture::Axis::Z,
-    };
+    let up = up(arguments, loaded);
     let mut written = HandedOver::default();
     if let Some(folder) = &arguments.pictures {
         std::fs::create_dir_all(folder)

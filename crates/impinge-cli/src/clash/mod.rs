@@ -13,6 +13,7 @@ use impinge_files::{
     Asked, Length, Limits, ReportAbout, RulesFile, RulesFormat, SceneAbout, Unit, load_rules, write_clash_csv,
     write_clash_json,
 };
+use impinge_report::bcf::is_bcf;
 use impinge_report::html::write_clash_page;
 
 use crate::axis::Axis;
@@ -113,8 +114,8 @@ pub(crate) struct Arguments {
     /// Version of the BCF file
     #[arg(long, value_name = "V", default_value = "2.1", requires = "bcf")]
     bcf_version: BcfVersionArgument,
-    /// Axis of the scenes that points up in pictures and BCF; y for glTF and z for other files by
-    /// default
+    /// Axis of the scenes that points up in the page, pictures and BCF; y for glTF and z for other
+    /// files by default
     #[arg(long, value_name = "AXIS")]
     up: Option<Axis>,
     /// Number of threads to use; all processors by default
@@ -205,7 +206,8 @@ fn answer(arguments: &Arguments) -> Result<Verdict, Failure> {
     let outcome = Outcome { about, report, handed_over, seconds: Seconds { load, search } };
     if let Some(path) = &arguments.view {
         let Outcome { about, report, .. } = &outcome;
-        output::write(path, |out| write_clash_page(out, &sides, report, about, VERSION))?;
+        let up = handover::up(arguments, &loaded);
+        output::write(path, |out| write_clash_page(out, &sides, report, about, up, VERSION))?;
     }
     outcome.write(arguments)?;
     Ok(if outcome.report.is_clear() { Verdict::Clear } else { Verdict::Collision })
@@ -285,7 +287,7 @@ impl Arguments {
         if let Some(path) = self.view.as_deref().filter(|path| output::extension(path) != "html") {
             return Err(output::unknown_extension(path, ".html"));
         }
-        if let Some(path) = self.bcf.as_deref().filter(|path| !handover::is_bcf(path)) {
+        if let Some(path) = self.bcf.as_deref().filter(|path| !is_bcf(path)) {
             return Err(output::unknown_extension(path, ".bcfzip or .bcf"));
         }
         if let Some(path) = &self.pictures {

@@ -2,6 +2,7 @@
 //! the hierarchy.
 
 mod json;
+mod page;
 mod proxies;
 mod report;
 
@@ -45,8 +46,14 @@ pub(crate) struct Arguments {
     /// 160 boxes
     #[arg(long, value_name = "N", requires = "picture")]
     level: Option<usize>,
-    /// Axis that points up in the picture
-    #[arg(long, value_name = "AXIS", default_value = "y", requires = "picture")]
+    /// Write a page for a browser to an .html file: the mesh, and the boxes of each level with a
+    /// slider
+    ///
+    /// The page needs no other file and no network.
+    #[arg(long, value_name = "OUT")]
+    view: Option<PathBuf>,
+    /// Axis that points up in the picture and in the page
+    #[arg(long, value_name = "AXIS", default_value = "y")]
     up: Axis,
     #[command(flatten)]
     reading: Reading,
@@ -105,6 +112,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         }
         None => None,
     };
+    if let Some(path) = &arguments.view {
+        output::validate_page(path, &[&arguments.mesh])?;
+    }
     let (loaded, load) = timed("loading", || Loaded::from_file(&arguments.mesh, None, arguments.reading));
     let loaded = loaded?;
     loaded.warn();
@@ -133,6 +143,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let bounds = Bounds::of(&body.mesh, &Pose::IDENTITY);
     let seconds = Seconds { load, build, inspect };
     let inspection = Inspection { body, bounds, tree, health, proxies, drawn, seconds };
+    if let Some(path) = &arguments.view {
+        page::write(path, &inspection, arguments.up)?;
+    }
     console::print_answer(&if arguments.json { json::object(&inspection) } else { report::text(&inspection) })?;
     Ok(Verdict::Clear)
 }

@@ -60,7 +60,7 @@ fn head(inspection: &Inspection) -> String {
     )
 }
 
-fn hierarchy(inspection: &Inspection) -> Vec<(&'static str, String)> {
+pub(super) fn hierarchy(inspection: &Inspection) -> Vec<(&'static str, String)> {
     let tree = &inspection.tree;
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     let bytes = inspection.body.mesh.memory();

@@ -10,11 +10,11 @@ use impinge::scene::Stop;
 use serde::Serialize;
 
 use super::load::{Loaded, RobotArguments, Surroundings, failure};
-use super::rows;
+use super::{page, rows};
 use crate::failure::Failure;
 use crate::numerals::{count, counted, short_time, time};
 use crate::progress::Bar;
-use crate::{Verdict, console};
+use crate::{Verdict, console, output};
 
 /// Maximum number of pairs that the report lists.
 const SHOWN: usize = 10;
@@ -31,6 +31,11 @@ pub(super) struct Arguments {
     /// Configurations: a .csv file, which may begin with the names of the joints, or a .npy file
     #[arg(long, value_name = "FILE")]
     configs: PathBuf,
+    /// Write a page for a browser to an .html file: the robot in the configurations that collide
+    ///
+    /// The page needs no other file and no network.
+    #[arg(long, value_name = "OUT")]
+    view: Option<PathBuf>,
     /// Find all pairs that collide, not only the first of each configuration
     #[arg(long)]
     all: bool,
@@ -69,6 +74,9 @@ struct Seconds {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
+    if let Some(path) = &arguments.view {
+        output::validate_page(path, &[&arguments.configs])?;
+    }
     let loaded = arguments.robot.load(Some(&arguments.surroundings))?;
     let values = rows::read(&arguments.configs, loaded.robot())?;
     let stop = if arguments.all { Stop::All } else { Stop::First };
@@ -81,6 +89,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let seconds = Seconds { load: loaded.seconds, check: start.elapsed().as_secs_f64() };
     drop(bar);
     let found = found.map_err(|error| failure(&error))?.values;
+    if let Some(path) = &arguments.view {
+        page::of_configurations(path, &loaded, &values, &found)?;
+    }
     let is_free = found.iter().all(Vec::is_empty);
     let answer = if arguments.robot.json {
         console::to_line(&object(&loaded, &found, seconds))

@@ -5,6 +5,7 @@ mod clearance;
 mod inspect;
 mod load;
 mod motion;
+mod page;
 mod rows;
 
 use clap::{Args, Subcommand};

@@ -11,11 +11,11 @@ use impinge::scene::Stop;
 use serde::Serialize;
 
 use super::load::{Loaded, RobotArguments, Surroundings, failure};
-use super::rows;
+use super::{page, rows};
 use crate::failure::Failure;
 use crate::numerals::{count, counted, time};
 use crate::progress::Bar;
-use crate::{Verdict, console};
+use crate::{Verdict, console, output};
 
 /// Prove that a path of straight motions is free, or find its first contact
 ///
@@ -33,6 +33,11 @@ pub(super) struct Arguments {
     /// .npy file
     #[arg(long, value_name = "FILE")]
     path: PathBuf,
+    /// Write a page for a browser to an .html file: the robot on the path, with a slider
+    ///
+    /// The page needs no other file and no network.
+    #[arg(long, value_name = "OUT")]
+    view: Option<PathBuf>,
     /// Maximum number of configurations that are examined for each leg of the path
     #[arg(long, value_name = "N", default_value_t = 1 << 17)]
     max_steps: usize,
@@ -69,6 +74,9 @@ struct Seconds {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
+    if let Some(path) = &arguments.view {
+        output::validate_page(path, &[&arguments.path])?;
+    }
     let loaded = arguments.robot.load(Some(&arguments.surroundings))?;
     let values = rows::read(&arguments.path, loaded.robot())?;
     let columns = loaded.robot().coordinates().len();
@@ -87,6 +95,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let seconds = Seconds { load: loaded.seconds, proof: start.elapsed().as_secs_f64() };
     drop(bar);
     let found = found.map_err(|error| failure(&error))?.values;
+    if let Some(path) = &arguments.view {
+        page::of_path(path, &loaded, &values, &found)?;
+    }
     let verdict = verdict(&found);
     let answer = if arguments.robot.json {
         let legs = found.iter().map(|leg| leg_object(&loaded, leg)).collect();

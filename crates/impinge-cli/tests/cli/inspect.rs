@@ -88,7 +88,7 @@ fn pictures_show_the_mesh_and_boxes_as_png_and_svg() {
     let mut reader = decoder.read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut pixels).unwrap();
-    assert_eq!(info.width.max(info.height), 1600);
+    assert_eq!(info.width.max(info.height), 1400);
     let count = |is: fn(&[u8]) -> bool| pixels.chunks(3).filter(|pixel| is(pixel)).count();
     let white = count(|p| p == [255; 3]);
     let gray = count(|p| p.iter().all(|&x| (90..235).contains(&x)) && p[0].abs_diff(p[2]) < 20);

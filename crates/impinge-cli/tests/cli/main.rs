@@ -14,6 +14,7 @@ mod hits;
 mod inspect;
 mod interrupt;
 mod limits;
+mod pages;
 mod robot;
 mod solids;
 mod streams;

@@ -23,5 +23,5 @@ mod viewpoint;
 mod xml;
 
 pub use archive::{BcfOptions, write_bcf};
-pub use previous::{BcfError, load_previous_bcf, parse_previous_bcf};
+pub use previous::{BcfError, is_bcf, load_previous_bcf, parse_previous_bcf};
 pub use version::BcfVersion;

@@ -48,6 +48,13 @@ pub enum BcfError {
     },
 }
 
+/// Reports whether a path names a BCF file: whether its extension is `.bcfzip` or `.bcf`.
+#[must_use]
+pub fn is_bcf(path: impl AsRef<Path>) -> bool {
+    let extension = path.as_ref().extension().unwrap_or_default();
+    ["bcfzip", "bcf"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+}
+
 /// Loads the statuses of the clashes of a BCF file that [`write_bcf`](super::write_bcf) wrote, and
 /// that other programs may have saved since. Lengths are converted to `unit`, the unit of the
 /// scenes.

@@ -11,6 +11,9 @@ pub enum BcfVersion {
 }
 
 impl BcfVersion {
+    /// All versions, the oldest first.
+    pub const ALL: [Self; 2] = [Self::V2, Self::V3];
+
     /// Returns the number of the version: `2.1` or `3.0`.
     #[must_use]
     pub fn name(self) -> &'static str {

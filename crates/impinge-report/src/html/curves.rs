@@ -39,6 +39,19 @@ impl Curves {
         Self { found, clashes }
     }
 
+    /// Returns no curves.
+    pub(super) fn none() -> Self {
+        Self { found: Vec::new(), clashes: 0 }
+    }
+
+    /// Returns the curves of the only pair of a page, or none if they have too many points.
+    pub(super) fn of_pair(lines: &[Vec<[f64; 3]>]) -> Self {
+        if lines.is_empty() || lines.iter().map(Vec::len).sum::<usize>() > MAX_POINTS {
+            return Self::none();
+        }
+        Self { found: vec![(0, lines.to_vec())], clashes: 1 }
+    }
+
     /// Appends the number of clashes with curves; then for each its index, a box, the number of
     /// polylines, and for each polyline its number of points and its points.
     pub(super) fn push(&self, bytes: &mut Vec<u8>) {

@@ -9,10 +9,11 @@ use serde::Serialize;
 use super::curves::Curves;
 use super::parts::Drawn;
 use super::{MAX_CURVES, MAX_TRIANGLES};
+use crate::picture::Axis;
 
 #[derive(Serialize)]
 struct Facts<'f> {
-    /// Axis that points up, `y` or `z`.
+    /// Axis that points up: `x`, `y` or `z`.
     up: &'static str,
     /// Length of the unit in meters, if it is known.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -45,6 +46,7 @@ pub(super) fn json(
     sides: &[Side<'_>],
     report: &Report,
     about: &ReportAbout<'_>,
+    up: Axis,
     drawn: &Drawn,
     curves: &Curves,
 ) -> io::Result<Vec<u8>> {
@@ -52,7 +54,7 @@ pub(super) fn json(
     let of_clashes = report.clashes.iter().map(|clash| clash.sentence(&length));
     let of_sets = report.duplicates.iter().map(|set| set.sentence());
     let facts = Facts {
-        up: if is_gltf(about) { "y" } else { "z" },
+        up: up.name(),
         meters: about.unit.map(Unit::meters),
         sentences: of_clashes.chain(of_sets).collect(),
         scenes: sides.iter().map(SceneFacts::new).collect(),
@@ -70,11 +72,4 @@ impl<'f> SceneFacts<'f> {
         let parts = scene.parts().map(|part| [scene.name(part), scene.details(part).kind.as_str()]);
         Self { label, parts: parts.collect() }
     }
-}
-
-/// Reports whether the first scene came from a glTF file, in which y points up.
-fn is_gltf(about: &ReportAbout<'_>) -> bool {
-    let file = about.scenes.first().and_then(|scene| scene.file.as_deref()).unwrap_or_default().to_lowercase();
-    let file = file.strip_suffix(".gz").unwrap_or(&file);
-    file.ends_with(".glb") || file.ends_with(".gltf")
 }

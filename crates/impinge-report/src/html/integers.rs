@@ -26,6 +26,11 @@ pub(super) fn push_numbers<'n>(bytes: &mut Vec<u8>, numbers: impl IntoIterator<I
     numbers.into_iter().for_each(|number| bytes.extend(number.to_le_bytes()));
 }
 
+/// Appends numbers in single precision, each in 4 bytes, the lowest first.
+pub(super) fn push_rounded<'n>(bytes: &mut Vec<u8>, numbers: impl IntoIterator<Item = &'n f64>) {
+    numbers.into_iter().for_each(|&number| bytes.extend((number as f32).to_le_bytes()));
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

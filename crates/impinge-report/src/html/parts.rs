@@ -7,9 +7,10 @@ use impinge::clash::{Member, Report, Side};
 use impinge::partition::{KdTree, Partition};
 use impinge::scene::{PartId, Scene};
 use impinge::volume::MinMax;
-use impinge::{Mesh, Pose};
+use impinge::{Mesh, Pose, Shape};
 
 use super::quantized::QuantizedMesh;
+use super::surface::surface;
 
 /// How a part is drawn.
 pub(super) enum Look {
@@ -65,14 +66,43 @@ impl Drawn {
         let mut left = max_triangles;
         for place in by_importance(sides, report, &boxes) {
             let (scene, part) = parts[place];
-            let Some((mesh, _)) = scene.shape(part).as_mesh() else { continue };
-            // Clones of a mesh share its faces.
-            let number = *numbers.entry(mesh.faces().as_ptr()).or_insert_with(|| add(&mut meshes, mesh, &mut left));
+            let shape = scene.shape(part);
+            let number = match shape.as_mesh() {
+                // Clones of a mesh share its faces.
+                Some((mesh, _)) => {
+                    *numbers.entry(mesh.faces().as_ptr()).or_insert_with(|| add(&mut meshes, mesh, &mut left))
+                }
+                None => surface(shape).and_then(|mesh| add(&mut meshes, &mesh, &mut left)),
+            };
             if let Some(number) = number {
                 looks[place] = Look::Mesh(number, *scene.pose(part));
             }
         }
         Self { meshes, looks }
+    }
+
+    /// Draws meshes in their places, in full as long as they have at most `max_triangles` triangles
+    /// together, and as boxes otherwise.
+    pub(super) fn of(things: &[(Mesh, Pose)], max_triangles: usize) -> Self {
+        let (mut meshes, mut looks, mut left) = (Vec::new(), Vec::new(), max_triangles);
+        for (mesh, pose) in things {
+            let bounds = || Shape::mesh(mesh).at(*pose).ok().and_then(|placed| placed.bounds());
+            let bounds = || bounds().map_or(Look::Nothing, Look::Box);
+            looks.push(add(&mut meshes, mesh, &mut left).map_or_else(bounds, |number| Look::Mesh(number, *pose)));
+        }
+        Self { meshes, looks }
+    }
+
+    /// Adds some faces of a mesh, which lie on the mesh if it is drawn.
+    pub(super) fn push_faces(&mut self, mesh: &Mesh, pose: Pose, faces: impl Iterator<Item = [u32; 3]>) {
+        let look = match QuantizedMesh::of_faces(mesh, faces) {
+            Some(quantized) => {
+                self.meshes.push(quantized);
+                Look::Mesh(self.meshes.len() - 1, pose)
+            }
+            None => Look::Nothing,
+        };
+        self.looks.push(look);
     }
 
     /// Returns the number of parts that are drawn as boxes.

@@ -65,26 +65,32 @@ impl QuantizedMesh {
     /// Rounds the positions of a mesh, and joins those that became equal. Returns `None` if no face
     /// is left.
     pub(super) fn new(mesh: &Mesh) -> Option<Self> {
+        Self::of_faces(mesh, mesh.faces().iter().copied())
+    }
+
+    /// Rounds the positions of some faces of a mesh as [`new`](Self::new) rounds them, so that they
+    /// lie on the mesh. Returns `None` if no face is left.
+    pub(super) fn of_faces(mesh: &Mesh, faces: impl Iterator<Item = [u32; 3]>) -> Option<Self> {
         let corner = |vertex: u32| match mesh.positions() {
             Positions::F32(points) => points[vertex as usize].map(f64::from),
             Positions::F64(points) => points[vertex as usize],
         };
         let frame = Frame::around(mesh.faces().iter().flatten().map(|&vertex| corner(vertex)))?;
         let mut numbers: HashMap<[u16; 3], u32> = HashMap::new();
-        let (mut points, mut faces) = (Vec::new(), Vec::new());
-        for face in mesh.faces() {
+        let (mut points, mut kept) = (Vec::new(), Vec::new());
+        for face in faces {
             let steps = face.map(|vertex| frame.steps(corner(vertex)));
             if steps[0] == steps[1] || steps[1] == steps[2] || steps[2] == steps[0] {
                 continue;
             }
-            faces.push(steps.map(|step| {
+            kept.push(steps.map(|step| {
                 *numbers.entry(step).or_insert_with(|| {
                     points.push(step);
                     points.len() as u32 - 1
                 })
             }));
         }
-        (!faces.is_empty()).then(|| Self { frame, is_closed: mesh.is_closed(), points, faces })
+        (!kept.is_empty()).then(|| Self { frame, is_closed: mesh.is_closed(), points, faces: kept })
     }
 
     /// Appends the mesh: its box, whether it is closed, the numbers of positions and faces, the

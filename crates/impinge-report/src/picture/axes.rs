@@ -21,6 +21,12 @@ impl Axis {
         direction[self as usize] = 1.0;
         direction
     }
+
+    /// Returns the name: `x`, `y` or `z`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        ["x", "y", "z"][self as usize]
+    }
 }
 
 /// Directions right, down and away from the viewer, as perpendicular unit vectors of the world.

@@ -38,23 +38,3 @@ pub(crate) fn overlap(a: &Bounds, b: &Bounds) -> bool {
 pub(crate) fn grown([min, max]: Bounds, by: f64) -> Bounds {
     [min.map(|x| x - by), max.map(|x| x + by)]
 }
-
-/// Returns the twelve triangles of the surface of a box.
-pub(crate) fn triangles(bounds: &Bounds) -> [[Vector; 3]; 12] {
-    const FACES: [[usize; 3]; 12] = [
-        [0, 2, 1],
-        [1, 2, 3],
-        [4, 5, 6],
-        [5, 7, 6],
-        [0, 1, 4],
-        [1, 5, 4],
-        [2, 6, 3],
-        [3, 6, 7],
-        [0, 4, 2],
-        [2, 4, 6],
-        [1, 3, 5],
-        [3, 7, 5],
-    ];
-    let corners = corners(bounds);
-    FACES.map(|face| face.map(|corner| corners[corner]))
-}

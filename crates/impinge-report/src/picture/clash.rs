@@ -10,7 +10,7 @@ use super::camera::Camera;
 use super::canvas::Canvas;
 use super::color::{CURVE, Color, FIRST, GHOST, INK, SECOND, shaded};
 use super::lines::Stroke;
-use super::parts::{Part, Parts};
+use super::parts::{EdgeStroke, Part, Parts};
 use super::pixels::Picture;
 use super::scale;
 use super::subject::Subject;
@@ -163,8 +163,9 @@ impl View<'_> {
         for (side, color) in [(0, COLOR_A), (1, COLOR_B)] {
             let target = if self.transparent == Some(side) { &mut layer } else { &mut canvas };
             let part = gallery.parts.get(subject.parts[side]);
-            self.draw_surface(target, part, color);
-            self.draw_edges(target, part, 1.2 * stretch, shaded(color, 0.38), 1.0);
+            gallery.parts.draw(part, target, camera, color);
+            let stroke = EdgeStroke { width: 1.2 * stretch, color: shaded(color, 0.38), opacity: 1.0 };
+            gallery.parts.draw_edges(part, target, camera, stroke);
         }
         self.draw_curves(&mut canvas, CURVE_RADIUS * stretch);
         if self.transparent.is_some() {
@@ -177,9 +178,10 @@ impl View<'_> {
             overlap(&part.bounds, &near) && !subjects.contains(&std::ptr::from_ref::<Part<'_>>(part))
         };
         let context: Vec<&Part<'_>> = gallery.parts.iter().filter(is_ghost).collect();
-        context.iter().for_each(|part| self.draw_surface(&mut ghosts, part, GHOST));
+        context.iter().for_each(|part| gallery.parts.draw(part, &mut ghosts, camera, GHOST));
         canvas.blend(&ghosts, GHOST_OPACITY);
-        context.iter().for_each(|part| self.draw_edges(&mut canvas, part, stretch, INK, GHOST_EDGES));
+        let stroke = EdgeStroke { width: stretch, color: INK, opacity: GHOST_EDGES };
+        context.iter().for_each(|part| gallery.parts.draw_edges(part, &mut canvas, camera, stroke));
         let mut hidden = Canvas::new(camera.size());
         self.draw_curves(&mut hidden, 0.6 * CURVE_RADIUS * stretch);
         canvas.overlay(&hidden, HIDDEN);
@@ -189,18 +191,6 @@ impl View<'_> {
         scale::scale_bar(&mut canvas, camera, gallery.unit);
         scale::axes(&mut canvas, camera, gallery.axes);
         canvas.picture()
-    }
-
-    fn draw_surface(&self, canvas: &mut Canvas, part: &Part<'_>, color: Color) {
-        canvas.draw(&self.camera, [0.0; 2], part.len(), |face| (part.triangle(face), color));
-    }
-
-    fn draw_edges(&self, canvas: &mut Canvas, part: &Part<'_>, width: f64, color: Color, opacity: f64) {
-        for ends in self.gallery.parts.edges(part) {
-            if let Some(seen) = self.camera.segment(ends) {
-                canvas.edge(seen, width, color, opacity);
-            }
-        }
     }
 
     fn draw_curves(&self, canvas: &mut Canvas, radius: f64) {

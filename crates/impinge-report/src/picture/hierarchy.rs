@@ -14,7 +14,7 @@ use super::lines::Stroke;
 use super::svg;
 
 /// Longer side of the picture, in pixels.
-const LONGER_SIDE: u32 = 1600;
+const LONGER_SIDE: u32 = 1400;
 
 /// The mesh as pixels, and the edges of the boxes as lines over them.
 pub struct HierarchyPicture {

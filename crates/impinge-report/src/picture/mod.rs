@@ -5,8 +5,9 @@
 //! the picture is subtracted in f64 before anything is rounded.
 //!
 //! `clash` draws a clash of a report: the `parts` of its scenes with their `sharp_edges`, its
-//! `subject`, from the direction that `view` chooses. `pair` draws two meshes with their
-//! intersection, `hierarchy` a mesh with boxes (`box_edges`, `svg`), and `character` hit volumes.
+//! `subject`, from the direction that `view` chooses. `scene` draws all parts of a scene, `pair`
+//! two meshes with their intersection, `hierarchy` a mesh with boxes (`box_edges`, `svg`), and
+//! `character` hit volumes.
 //!
 //! `camera` projects along directions of `axes`. `canvas` has triangles and layers, `lines` has
 //! lines and curves, `glyphs` letters, `scale` the scale bar and the axes, and `color` colors and
@@ -29,6 +30,7 @@ mod pair;
 mod parts;
 mod pixels;
 mod scale;
+mod scene;
 mod sharp_edges;
 mod subject;
 mod svg;
@@ -42,3 +44,4 @@ pub use color::{DISTINCT, DISTINCT_NAMES};
 pub use hierarchy::HierarchyPicture;
 pub use pair::{Pair, PairView, pair};
 pub use pixels::{Picture, png};
+pub use scene::{SceneView, scene};

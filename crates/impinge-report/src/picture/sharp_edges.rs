@@ -57,15 +57,15 @@ fn key(point: Vector) -> [u64; 3] {
 
 #[cfg(test)]
 mod tests {
-    use impinge::Positions;
+    use impinge::{Positions, Shape};
 
     use super::*;
-    use crate::picture::bounds::triangles;
 
     #[test]
     fn a_cuboid_has_twelve_sharp_edges_and_no_diagonals() {
-        let triangles = triangles(&[[0.0; 3], [1.0, 2.0, 3.0]]);
+        let cuboid = &Shape::cuboid([1.0, 2.0, 3.0]).unwrap().to_meshes(8)[0].0;
         // Each triangle has vertices of its own.
+        let triangles: Vec<[Vector; 3]> = (0..12).map(|face| cuboid.corners(face)).collect();
         let faces: Vec<[u32; 3]> = (0..12).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
         let mesh = Mesh::new(Positions::F64(triangles.as_flattened().to_vec()), faces).unwrap();
         let edges = sharp_edges(&mesh);

@@ -45,7 +45,7 @@ impl Subject {
     fn new(parts: &Parts<'_>, members: [&Member; 2], point: Option<Vector>, stated: Option<Bounds>) -> Option<Self> {
         let found = [parts.find(members[0])?, parts.find(members[1])?];
         let [a, b] = found.map(|part| parts.get(part));
-        let curves = match (a.mesh, b.mesh) {
+        let curves = match (a.mesh(), b.mesh()) {
             (Some((a, pose_a)), Some((b, pose_b)))
                 if bounds::overlap(&parts.get(found[0]).bounds, &parts.get(found[1]).bounds) =>
             {

@@ -151,8 +151,7 @@ fn box_points([min, max]: Bounds) -> Vec<Vector> {
 }
 
 fn faces_in<'p>(parts: &'p Parts<'_>, part: usize, near: &'p Bounds) -> impl Iterator<Item = [Vector; 3]> + 'p {
-    let part = parts.get(part);
-    (0..part.len()).map(|face| part.triangle(face)).filter(|corners| {
+    parts.get(part).triangles().filter(|corners| {
         let low = [0, 1, 2].map(|k| corners[0][k].min(corners[1][k]).min(corners[2][k]));
         let high = [0, 1, 2].map(|k| corners[0][k].max(corners[1][k]).max(corners[2][k]));
         overlap(&[low, high], near)

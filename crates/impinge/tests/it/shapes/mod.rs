@@ -14,4 +14,5 @@ mod rounded;
 mod support;
 mod surfaces;
 mod tapered;
+mod triangles;
 mod twins;
