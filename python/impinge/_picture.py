@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from impinge import _impinge
 from impinge._errors import InputError
-from impinge._scalars import path_of
+from impinge._scalars import chosen, path_of, real, whole
 
 
 class Picture:
@@ -84,3 +84,15 @@ def png_path(path: object) -> str:
     if Path(text).suffix.lower() != ".png":
         raise InputError(f"{text!r} does not end in .png", kind="unsupported-format", what="path")
     return text
+
+
+def validate_view(size: tuple[int, int], view: tuple[float, float], up: str) -> None:
+    """Raise an error if a picture cannot have a size, or a camera its angles in degrees."""
+    chosen(up, ("y", "z"), "up")
+    for name, pair in (("size", size), ("view", view)):
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise InputError(f"must be two numbers, not {type(pair).__name__}", kind="shape", what=name)
+    for pixels in size:
+        whole(pixels, "size", minimum=16, maximum=8192)
+    if np.isinf([real(angle, "view") for angle in view]).any():
+        raise InputError("an angle is infinite", kind="non-finite", what="view")

@@ -13,8 +13,8 @@ from impinge._arrays import plain_poses
 from impinge._errors import InputError
 from impinge._intersections import intersecting_pairs
 from impinge._mesh import Mesh
-from impinge._picture import Picture, png_path
-from impinge._scalars import chosen, real, whole
+from impinge._picture import Picture, png_path, validate_view
+from impinge._scalars import chosen
 
 
 def show(
@@ -74,7 +74,8 @@ def show(
     >>> impinge.show(floor, wall, size=(320, 240)).size
     (320, 240)
     """
-    _validate(size, view, up, focus)
+    validate_view(size, view, up)
+    chosen(focus, ("all", "contact"), "focus")
     if path is not None:
         png_path(path)
     poses = [
@@ -90,15 +91,3 @@ def show(
     if path is not None:
         picture.save(path)
     return picture
-
-
-def _validate(size: tuple[int, int], view: tuple[float, float], up: str, focus: str) -> None:
-    for name, value, known in (("up", up, ("y", "z")), ("focus", focus, ("all", "contact"))):
-        chosen(value, known, name)
-    for name, pair in (("size", size), ("view", view)):
-        if not isinstance(pair, tuple | list) or len(pair) != 2:
-            raise InputError(f"must be two numbers, not {type(pair).__name__}", kind="shape", what=name)
-    for pixels in size:
-        whole(pixels, "size", minimum=16, maximum=8192)
-    if np.isinf([real(angle, "view") for angle in view]).any():
-        raise InputError("an angle is infinite", kind="non-finite", what="view")

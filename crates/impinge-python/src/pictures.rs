@@ -1,12 +1,17 @@
-//! Pictures of two meshes.
+//! Pictures of two meshes, and of robots.
 
 use impinge::query;
-use impinge_report::picture::{Axis, Pair, PairView, pair, png};
+use impinge::robot::CheckOptions;
+use impinge_report::picture::{Axis, Pair, PairView, RobotView, pair, png, robot as draw_robot};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::arrays::{array, plain_column};
+use crate::errors::Fault;
 use crate::mesh::mesh_of;
+use crate::robot::{RobotCore, invalid};
+use crate::robot_checks::obstacles;
+use crate::scene::Part;
 use crate::{poses, workers};
 
 /// Options of a picture of two meshes: its size in pixels, azimuth and elevation of the camera in
@@ -34,6 +39,29 @@ pub(crate) fn picture_of_pair<'py>(
         let shown = Pair { meshes: [&a, &b], world_from_mesh, pairs: &pairs, curves: &curves };
         pair(&shown, PairView { size, angles, up, focus_on_contact })
     })?;
+    let [width, height] = picture.size().map(|side| side as usize);
+    array(py, picture.pixels().as_flattened().to_vec(), &[height, width, 3])
+}
+
+/// Draws a robot in one configuration with obstacles. Returns red, green and blue, (height, width,
+/// 3).
+#[pyfunction]
+pub(crate) fn picture_of_robot<'py>(
+    robot: &RobotCore,
+    q: &Bound<'py, PyAny>,
+    parts: Vec<Part<'py>>,
+    view: ([u32; 2], [f64; 2], bool),
+) -> PyResult<Bound<'py, PyAny>> {
+    let (py, loaded, (size, angles, is_y_up)) = (q.py(), robot.loaded().clone(), view);
+    let values = plain_column::<f64>(q)?;
+    loaded.robot.check_rows(&values).map_err(|error| invalid(&error).raised(py))?;
+    let scene = obstacles(py, &parts)?;
+    let view = RobotView { size, angles, up: if is_y_up { Axis::Y } else { Axis::Z } };
+    let picture = workers::run(py, move |_| {
+        let options = CheckOptions { obstacles: Some(&scene), ..CheckOptions::default() };
+        draw_robot(&loaded.robot, &values, &options, view)
+    })?;
+    let picture = picture.map_err(|error| Fault::new("out-of-range", "q", error.to_string()).raised(py))?;
     let [width, height] = picture.size().map(|side| side as usize);
     array(py, picture.pixels().as_flattened().to_vec(), &[height, width, 3])
 }

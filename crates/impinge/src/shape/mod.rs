@@ -10,6 +10,7 @@
 //! `kind` has a shape and its contents, which are `corners` or the sets in `round`. `constructors`
 //! makes and validates shapes, and `rounded` rounds them. `placed` places them in the world,
 //! `part_tree` finds the parts of a placed compound, and `form` has the representations.
+//! `triangles` are for pictures.
 //!
 //! Tests: `tests/it/shapes`. Benchmark: `shapes`.
 
@@ -21,6 +22,7 @@ mod part_tree;
 mod placed;
 mod round;
 mod rounded;
+mod triangles;
 
 pub(crate) use form::Form;
 pub use kind::Shape;
