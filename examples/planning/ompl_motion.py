@@ -39,8 +39,8 @@ def values(state: base.State, count: int) -> list[float]:
 def main() -> int:
     """Plan a path around a post, and print its length and the verdict about it."""
     robot = impinge.Robot.load(DATA / "gantry.urdf", DATA / "gantry.srdf")
-    scene = impinge.Scene({"post": impinge.Shape.cylinder(0.03, 1.0)})
-    poses = {"post": impinge.pose([0.35, 0.25, 0.5])}
+    scene = impinge.Scene({"post": impinge.Shape.cylinder(0.3, 0.03)})
+    poses = {"post": impinge.pose([0.45, 0.2, 0.6])}
 
     space = base.RealVectorStateSpace(robot.dof)
     bounds = base.RealVectorBounds(robot.dof)
@@ -58,7 +58,7 @@ def main() -> int:
     setup.setStateValidityChecker(is_free)
     information.setMotionValidator(ProvedMotions(information, robot, scene, poses))
     start, goal = space.allocState(), space.allocState()
-    for at, (first, last) in enumerate(zip([0.1, -1.0, 0.2, 0, 0.01], [0.1, 1.6, 0.2, 0, 0.01], strict=True)):
+    for at, (first, last) in enumerate(zip([0.1, -1.0, 1.2, 0, 0.01], [0.1, 1.6, 1.2, 0, 0.01], strict=True)):
         start[at], goal[at] = float(first), float(last)
     setup.setStartAndGoalStates(start, goal)
     setup.setPlanner(geometric.RRTConnect(information))

@@ -226,7 +226,7 @@ class Robot(RobotQueries):
         >>> import impinge
         >>> robot = impinge.Robot.load("data/robots/gantry.urdf", "data/robots/gantry.srdf")
         >>> rod = impinge.Shape.capsule([0, 0, -0.1], [0, 0, 0.1], 0.01)
-        >>> holding = robot.attached("rod", rod, "palm", impinge.pose([0, 0, 0.1]))
+        >>> holding = robot.attached("rod", rod, "palm", impinge.pose([0, 0, 0.15]))
         >>> holding.links[-1], holding.joints == robot.joints
         ('rod', True)
         """

@@ -133,7 +133,7 @@ def test_known_verdicts_of_the_motions_of_a_real_robot(tmp_path):
 
 def test_attached_objects_are_checked_like_links():
     rod = Shape.capsule([0, 0, -0.1], [0, 0, 0.1], 0.01)
-    place = pose([0, 0, 0.08])
+    place = pose([0, 0, 0.15])
     fingers = ["left_finger", "right_finger"]
     holding = GANTRY.attached("rod", rod, "palm", place, touch=fingers)
     assert (holding.links[-1], holding.joints, holding.name) == ("rod", GANTRY.joints, "gantry")
@@ -154,9 +154,10 @@ def test_attached_objects_are_checked_like_links():
     assert (holding.clearance(q[:200]).upper <= GANTRY.clearance(q[:200]).upper + 1e-12).all()
     again = pickle.loads(pickle.dumps(holding))
     assert np.array_equal(again.check(q).collides, with_rod.collides)
-    # A motion that is free without the rod, and collides with it.
-    starts, ends = q[:-1][~with_rod.collides[:-1]][:40], q[1:][~with_rod.collides[:-1]][:40]
-    verdicts = [robot.check_motion(starts, ends).verdict for robot in (GANTRY, holding)]
+    # Motions to configurations in which only the rod collides.
+    ends = q[with_rod.collides & ~without.collides][:40]
+    verdicts = [robot.check_motion(np.array([0, 0, 0, 0, 0.01]), ends).verdict for robot in (GANTRY, holding)]
+    assert (verdicts[1] == "collides").all()
     assert not ((verdicts[0] == "collides") & (verdicts[1] == "free")).any()
     assert ((verdicts[0] == "free") & (verdicts[1] == "collides")).any()
     for arguments in (("palm", rod, "palm"), ("rod", rod, "hand"), ("rod", rod, "palm", None, ["thumb"])):

@@ -56,6 +56,9 @@ pub struct AuditedPair {
     pub is_checked: bool,
 }
 
+/// For each pair that collides in a sample, the number of samples in which it does, and the first.
+type Samples = HashMap<[usize; 2], (usize, Vec<f64>)>;
+
 impl Robot {
     /// Returns for each pair of links with shapes whether it can collide, whether the robot checks
     /// it or not, sorted.
@@ -156,7 +159,7 @@ impl Robot {
         ranges: &[Option<[f64; 2]>],
         options: &AuditOptions,
         execution: Execution<'_>,
-    ) -> Result<HashMap<[usize; 2], (usize, Vec<f64>)>, CheckError> {
+    ) -> Result<Samples, CheckError> {
         let mut random = options.seed;
         let mut value = |range: &Option<[f64; 2]>| {
             let [low, high] = range.unwrap_or([-1.0, 1.0]);

@@ -47,6 +47,9 @@ pub enum CertificateError {
     },
 }
 
+/// The intervals that rows cover, by a link and the other link.
+type Covered = BTreeMap<(usize, Option<usize>), (Subject, Vec<[f64; 2]>)>;
+
 impl Robot {
     /// Verifies a certificate of [`check_motions`](Self::check_motions): that its rows cover the
     /// whole motion, and that each row holds. The options must be those of the check.
@@ -72,7 +75,7 @@ impl Robot {
         let mut state = scan.state();
         scan.begin(&mut state, &[start.clone(), end.clone()]);
         let names = |subject: &Subject| (subject.link, subject.pair.map(|(_, other)| other));
-        let mut covered: BTreeMap<(usize, Option<usize>), (Subject, Vec<[f64; 2]>)> =
+        let mut covered: Covered =
             scan.subjects().into_iter().map(|subject| (names(&subject), (subject, Vec::new()))).collect();
         let mut placed_at = None;
         for (at, row) in rows.iter().enumerate() {
