@@ -45,6 +45,7 @@ from impinge._picture import Picture
 from impinge._points import ClosestPoint, RayHit, RayHits
 from impinge._pose import pose
 from impinge._robot import Robot
+from impinge._robot_audit import RobotAudit
 from impinge._robot_joint import Joint
 from impinge._robot_motion import RobotClearance, RobotMotion
 from impinge._robot_report import RobotReport
@@ -114,6 +115,7 @@ __all__ = [
     "RayHits",
     "Repair",
     "Robot",
+    "RobotAudit",
     "RobotClearance",
     "RobotMotion",
     "RobotReport",

@@ -73,11 +73,14 @@ __all__ = [
     "penetrates",
     "penetration",
     "picture_of_pair",
+    "picture_of_robot",
     "picture_of_scene",
     "proxies",
     "ray_cast",
     "ray_cast_all",
     "repaired",
+    "robot_attached",
+    "robot_audit",
     "robot_check",
     "robot_clearance",
     "robot_motions",
@@ -434,6 +437,10 @@ def manager_pairs(manager: ManagerBase, other: _Others) -> _KeyPairs: ...
 def robot_of_parts(
     links: list[tuple[str, Any]], joints: list[tuple[Any, ...]], ignored: list[tuple[int, int]]
 ) -> RobotCore: ...
+def robot_attached(robot: RobotCore, name: str, shape: Any, link: int, pose: Any, touch: list[int]) -> RobotCore: ...
+def robot_audit(
+    robot: RobotCore, samples: int, seed: int, max_boxes: int, progress: bool
+) -> tuple[NDArray[np.int64], NDArray[np.uint8], NDArray[np.bool_], NDArray[np.float64], str]: ...
 def robot_check(
     robot: RobotCore,
     q: NDArray[np.float64],
@@ -548,6 +555,12 @@ def repaired(mesh: Any, weld: float, orient: bool) -> tuple[MeshBase, dict[str, 
 def tree_statistics(mesh: Any) -> dict[str, Any]: ...
 def picture_of_pair(
     meshes: Any, world_from_mesh: Any, pairs: Any, view: tuple[list[int], list[float], str], focus_on_contact: bool
+) -> NDArray[np.uint8]: ...
+def picture_of_robot(
+    robot: RobotCore,
+    q: NDArray[np.float64],
+    parts: list[tuple[str, Any, bool, Any]],
+    view: tuple[list[int], list[float], str],
 ) -> NDArray[np.uint8]: ...
 def picture_of_scene(
     parts: list[Any], view: tuple[list[int], list[float], str], unit: str | None

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from impinge import _impinge
 from impinge._errors import InputError
-from impinge._scalars import path_of, whole
+from impinge._scalars import path_of, real, whole
 
 
 class Picture:
@@ -99,3 +99,11 @@ def png_path(path: object) -> str:
     if Path(text).suffix.lower() != ".png":
         raise InputError(f"{text!r} does not end in .png", kind="unsupported-format", what="path")
     return text
+
+
+def angles_of(view: tuple[float, float]) -> list[float]:
+    """Return the azimuth and the elevation of a camera in degrees."""
+    angles = [real(angle, "view") for angle in pair_of(view, "view")]
+    if np.isinf(angles).any():
+        raise InputError("an angle is infinite", kind="non-finite", what="view")
+    return angles

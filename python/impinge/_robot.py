@@ -185,6 +185,61 @@ class Robot(RobotQueries):
         core = _impinge.robot_of_parts(rows, [joint._row() for joint in joints], places)
         return cls._of((cls.from_parts, (dict(links), joints, pairs)), core)
 
+    def attached(
+        self,
+        name: str,
+        shape: AnyShape,
+        link: str,
+        pose: ArrayLike | None = None,
+        touch: Iterable[str] = (),
+    ) -> Robot:
+        """Return a robot that also holds an object, such as a part in its gripper.
+
+        The object is a link with its own name. It is checked against all links, except for `link`,
+        for the links that only fixed joints connect with that, and for those in `touch`. All else
+        is shared with this robot, which stays as it is.
+
+        Parameters
+        ----------
+        name : str
+            Name of the object, which no link has.
+        shape : Shape or Mesh
+            Shape of the object in its own frame. A mesh stands for its solid.
+        link : str
+            The link that holds the object.
+        pose : (4, 4) array_like, optional
+            Link from object. The default is the identity.
+        touch : iterable of str
+            Links that the object may touch, such as the fingers of the gripper.
+
+        Returns
+        -------
+        Robot
+
+        Raises
+        ------
+        InputError
+            If a link has the name, or if there is no link with a name in `link` or `touch`.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> robot = impinge.Robot.load("data/robots/gantry.urdf", "data/robots/gantry.srdf")
+        >>> rod = impinge.Shape.capsule([0, 0, -0.1], [0, 0, 0.1], 0.01)
+        >>> holding = robot.attached("rod", rod, "palm", impinge.pose([0, 0, 0.15]))
+        >>> holding.links[-1], holding.joints == robot.joints
+        ('rod', True)
+        """
+        if not isinstance(shape, Mesh | Shape):
+            message = f"must be impinge.Shape or impinge.Mesh, not {type(shape).__name__}"
+            raise InputError(message, kind="type", what="shape")
+        numbers = {known_name: at for at, known_name in enumerate(self.links)}
+        names = (touch,) if isinstance(touch, str) else tuple(touch)
+        place = known(link, numbers, "link", "link")
+        others = [known(other, numbers, "link", "touch") for other in names]
+        core = _impinge.robot_attached(self._core, text(name, "name"), shape, place, pose, others)
+        return Robot._of((Robot.attached, (self, name, shape, link, pose, names)), core)
+
     @property
     def name(self) -> str:
         """The name in the URDF file; empty for a robot of parts."""

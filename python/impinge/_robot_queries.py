@@ -2,57 +2,27 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping
-from functools import cached_property
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from impinge import _impinge
 from impinge._errors import InputError
-from impinge._robot_arguments import check_limits, clearance, known, pairs_of
+from impinge._picture import Picture, angles_of, png_path, size_of
+from impinge._robot_arguments import check_limits, clearance
+from impinge._robot_audit import RobotAudit
+from impinge._robot_base import RobotBase
 from impinge._robot_motion import RobotClearance, RobotMotion
 from impinge._robot_report import RobotReport
 from impinge._scalars import chosen, real, whole
 from impinge._scene import Scene
 
-Obstacles = list[tuple[str, Any, bool, Any]]
 
-
-class RobotQueries:
+class RobotQueries(RobotBase):
     """The questions that `Robot` answers."""
-
-    _core: _impinge.RobotCore
-
-    @cached_property
-    def links(self) -> tuple[str, ...]:
-        """Names of all links."""
-        return tuple(name for name, _ in self._core.links())
-
-    @cached_property
-    def joints(self) -> tuple[str, ...]:
-        """Names of the coordinates of a configuration, in the order of the joints of the file.
-
-        They are the joints that move, without those that follow another. Planar and floating joints
-        have several coordinates, such as ``base/x``.
-        """
-        return tuple(name for name, _, _ in self._core.coordinates())
-
-    @property
-    def dof(self) -> int:
-        """Number of coordinates of a configuration."""
-        return len(self.joints)
-
-    @property
-    def lower(self) -> NDArray[np.float64]:
-        """Lower limit of each coordinate, in radians or meters; -inf for no limit."""
-        return np.array([lower for _, lower, _ in self._core.coordinates()])
-
-    @property
-    def upper(self) -> NDArray[np.float64]:
-        """Upper limit of each coordinate, in radians or meters; inf for no limit."""
-        return np.array([upper for _, _, upper in self._core.coordinates()])
 
     def check(
         self,
@@ -266,53 +236,95 @@ class RobotQueries:
             progress=progress,
         )
 
-    def _obstacles(
+    def picture(
         self,
-        scene: Scene | None,
-        poses: Mapping[str, ArrayLike] | None,
-        ignored: Iterable[tuple[str, str]],
-    ) -> tuple[Obstacles, list[tuple[int, int]]]:
-        """Return the parts of a scene, and pairs of indices of links and parts to ignore."""
-        if scene is not None and not isinstance(scene, Scene):
-            raise InputError(f"must be impinge.Scene, not {type(scene).__name__}", kind="type", what="scene")
-        parts = {} if scene is None else scene.parts
-        places = {} if poses is None else poses
-        if not isinstance(places, Mapping):
-            raise InputError(f"must be a mapping, not {type(places).__name__}", kind="type", what="poses")
-        for name in places:
-            known(name, parts, "part", "poses")
-        solid = scene is not None and scene._solid
-        obstacles = [(name, part, solid, places.get(name)) for name, part in parts.items()]
-        numbers = {name: at for at, name in enumerate(parts)}
-        links = {name: at for at, name in enumerate(self.links)}
-        pairs = pairs_of(ignored)
-        skipped = [(known(a, links, "link", "ignored"), known(b, numbers, "part", "ignored")) for a, b in pairs]
-        return obstacles, skipped
+        q: ArrayLike,
+        scene: Scene | None = None,
+        *,
+        poses: Mapping[str, ArrayLike] | None = None,
+        path: str | os.PathLike[str] | None = None,
+        size: tuple[int, int] = (960, 720),
+        view: tuple[float, float] = (-35.0, 25.0),
+        up: Literal["x", "y", "z"] = "z",
+    ) -> Picture:
+        """Render one configuration: what collides in colors, and all else as ghosts.
 
-    def _names(self, obstacles: Obstacles) -> tuple[str, ...]:
-        """Return the names of the links and of the parts of a scene."""
-        return (*self.links, *(name for name, *_ in obstacles))
+        If nothing collides, the links are solid and gray. No window is opened, and no display is
+        needed. A notebook shows the returned picture. Half-spaces are not drawn.
 
-    def _rows(self, q: ArrayLike, what: str = "q") -> tuple[NDArray[np.float64], tuple[int, ...]]:
-        """Return configurations as rows, and their leading axes."""
-        try:
-            values = np.asarray(q, np.float64)
-        except (TypeError, ValueError) as error:
-            raise InputError(f"must be numbers ({error})", kind="type", what=what) from None
-        if values.ndim == 0 or values.shape[-1] != self.dof:
-            message = f"must have {self.dof} columns, {', '.join(self.joints)}; the shape is {values.shape}"
-            raise InputError(message, kind="shape", what=what)
-        lead = values.shape[:-1]
-        return np.ascontiguousarray(values.reshape(-1, self.dof) if self.dof else values.reshape(-1)), lead
+        Parameters
+        ----------
+        q : (dof,) array_like
+            The configuration, in radians and meters.
+        scene : Scene, optional
+            As for `check`, as are `poses`.
+        path : str or os.PathLike, optional
+            A PNG file to write the picture to.
+        size, view, up
+            As for `impinge.show`.
 
-    def _paddings(self, padding: float | Mapping[str, float]) -> list[float]:
-        """Return the padding of each link."""
-        if not isinstance(padding, Mapping):
-            return [clearance(padding, "padding")] * len(self.links)
-        others = clearance(padding.get("*", 0.0), "padding")
-        paddings = [others] * len(self.links)
-        links = {name: at for at, name in enumerate(self.links)}
-        for name, distance in padding.items():
-            if name != "*":
-                paddings[known(name, links, "link", "padding")] = clearance(distance, "padding")
-        return paddings
+        Returns
+        -------
+        Picture
+            The picture.
+
+        Raises
+        ------
+        InputError
+            As for `check` and `impinge.show`.
+        OSError
+            If the file cannot be written.
+        """
+        options = size_of(size), angles_of(view), chosen(up, ("x", "y", "z"), "up")
+        if path is not None:
+            png_path(path)
+        rows, lead = self._rows(q)
+        if lead:
+            raise InputError("a picture shows one configuration", kind="shape", what="q")
+        obstacles, _ = self._obstacles(scene, poses, ())
+        picture = Picture(_impinge.picture_of_robot(self._core, rows, obstacles, options))
+        if path is not None:
+            picture.save(path)
+        return picture
+
+    def audit(
+        self, samples: int = 10_000, seed: int = 0, *, max_boxes: int = 1 << 12, progress: bool = False
+    ) -> RobotAudit:
+        """Find the pairs of links that never collide, by proof, and those that do.
+
+        Random configurations within the limits of the joints are checked, for all pairs of links,
+        whether the robot checks them or not. For each pair that never collides there, boxes of
+        configurations are examined and halved, until bounds on how far the links move prove that
+        none collides.
+
+        Parameters
+        ----------
+        samples : int
+            Number of random configurations.
+        seed : int
+            Start of the random numbers, which are the same on every machine.
+        max_boxes : int
+            Maximum number of boxes of configurations that are examined for each pair.
+        progress : bool
+            As for `impinge.intersects`.
+
+        Returns
+        -------
+        RobotAudit
+            The finding about each pair, and an SRDF file that disables those that need no check.
+
+        Raises
+        ------
+        InputError
+            If an option is invalid, or if a limit of a joint is too large.
+
+        Examples
+        --------
+        >>> import impinge
+        >>> robot = impinge.Robot.load("data/robots/gantry.urdf", "data/robots/gantry.srdf")
+        >>> audit = robot.audit(1000)
+        >>> audit.findings["base", "carriage"]
+        'adjacent'
+        """
+        numbers = whole(samples, "samples"), whole(seed, "seed"), whole(max_boxes, "max_boxes")
+        return RobotAudit(_impinge.robot_audit(self._core, *numbers, progress), self.links)

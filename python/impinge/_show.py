@@ -13,8 +13,8 @@ from impinge._arrays import plain_poses
 from impinge._errors import InputError
 from impinge._intersections import intersecting_pairs
 from impinge._mesh import Mesh
-from impinge._picture import Picture, pair_of, png_path, size_of
-from impinge._scalars import chosen, real
+from impinge._picture import Picture, angles_of, png_path, size_of
+from impinge._scalars import chosen
 from impinge._scene import Scene
 from impinge._shape import AnyShape
 
@@ -86,7 +86,7 @@ def show(
     chosen(focus, ("all", "contact"), "focus")
     if path is not None:
         png_path(path)
-    options = (size_of(size), _angles(view), up)
+    options = (size_of(size), angles_of(view), up)
     if isinstance(a, Mesh) and isinstance(b, Mesh):
         poses = _pose(pose_a, "pose_a"), _pose(pose_b, "pose_b")
         pairs = np.asarray(intersecting_pairs(a, b, *poses))
@@ -115,10 +115,3 @@ def _pose(pose: ArrayLike | None, name: str) -> NDArray[np.float64]:
     if matrix.shape != (4, 4):
         raise InputError(f"shape {matrix.shape}, where (4, 4) is expected", kind="shape", what=name)
     return matrix
-
-
-def _angles(view: tuple[float, float]) -> list[float]:
-    angles = [real(angle, "view") for angle in pair_of(view, "view")]
-    if np.isinf(angles).any():
-        raise InputError("an angle is infinite", kind="non-finite", what="view")
-    return angles

@@ -65,7 +65,7 @@ def examples():
         impinge.show(mesh, box, size=(16, 16)),
         clashes, clashes[0], clashes[0].a, clashes.duplicates[0], clashes.groups()[0], clashes.diff(clashes),
         gantry, gantry.check(np.zeros((2, 5))), impinge.Joint("a", "b", "c"), gantry.clearance(np.zeros(5)),
-        gantry.check_motion(np.zeros(5), np.ones(5) * 0.01),
+        gantry.check_motion(np.zeros(5), np.ones(5) * 0.01), gantry.audit(10, max_boxes=4),
         mesh, world, balls, step, step.work, world.save(), world.ray_cast(ray, [0, 0, 1]), robot, posed,
         world.nearest(box), world.shape_cast(box, impinge.Motion(None, None)),
         world.shape_cast_all(box, impinge.Motion(pose([[0, 0, 9]]), None)),

@@ -1,6 +1,7 @@
 """Motions of robots with proofs, and clearances: closed forms, samples, and known verdicts."""
 
 import os
+import pickle
 import re
 import warnings
 from pathlib import Path
@@ -128,3 +129,68 @@ def test_known_verdicts_of_the_motions_of_a_real_robot(tmp_path):
     assert (motions.verdict == "undecided").sum() == 0
     assert np.array_equal(motions.verdict == "collides", known["collides"])
     assert robot.check(motions.q_hit[known["collides"]]).collides.all()
+
+
+def test_attached_objects_are_checked_like_links():
+    rod = Shape.capsule([0, 0, -0.1], [0, 0, 0.1], 0.01)
+    place = pose([0, 0, 0.15])
+    fingers = ["left_finger", "right_finger"]
+    holding = GANTRY.attached("rod", rod, "palm", place, touch=fingers)
+    assert (holding.links[-1], holding.joints, holding.name) == ("rod", GANTRY.joints, "gantry")
+    assert holding.groups == GANTRY.groups
+    assert set(holding.pairs) - set(GANTRY.pairs) == {
+        (link, "rod") for link in ("base", "carriage", "upper_arm", "forearm")
+    }
+    assert all(holding.ignored[finger, "rod"] == "disabled: touch" for finger in fingers)
+    q = configurations(2000, 8)
+    with_rod, without = holding.check(q, stop="all"), GANTRY.check(q, stop="all")
+    assert with_rod.collides.sum() > without.collides.sum()
+    poses = holding.at(q)
+    assert np.array_equal(poses["rod"], poses["palm"] @ place)
+    for link in ("base", "forearm"):
+        hits = impinge.intersects(GANTRY.shapes[link], rod, poses[link], poses["rod"])
+        found = [(link, "rod") in with_rod.names(row) for row in range(len(q))]
+        assert np.array_equal(hits, found)
+    assert (holding.clearance(q[:200]).upper <= GANTRY.clearance(q[:200]).upper + 1e-12).all()
+    again = pickle.loads(pickle.dumps(holding))
+    assert np.array_equal(again.check(q).collides, with_rod.collides)
+    # Motions to configurations in which only the rod collides.
+    ends = q[with_rod.collides & ~without.collides][:40]
+    verdicts = [robot.check_motion(np.array([0, 0, 0, 0, 0.01]), ends).verdict for robot in (GANTRY, holding)]
+    assert (verdicts[1] == "collides").all()
+    assert not ((verdicts[0] == "collides") & (verdicts[1] == "free")).any()
+    assert ((verdicts[0] == "free") & (verdicts[1] == "collides")).any()
+    for arguments in (("palm", rod, "palm"), ("rod", rod, "hand"), ("rod", rod, "palm", None, ["thumb"])):
+        with pytest.raises(impinge.InputError):
+            GANTRY.attached(*arguments)
+    with pytest.raises(impinge.InputError, match=r"impinge\.Shape"):
+        GANTRY.attached("rod", 3, "palm")
+
+
+def test_audits_prove_pairs_and_find_witnesses(tmp_path):
+    audit = GANTRY.audit(2000, seed=3)
+    assert audit.findings == GANTRY.audit(2000, seed=3).findings
+    assert len(audit.findings) == 21
+    everything = Robot.load(DATA / "gantry.urdf")
+    q = configurations(4000, 4)
+    hits = set(everything.check(q, stop="all").counts())
+    for pair, finding in audit.findings.items():
+        witness = audit.witness(*pair)
+        assert (witness is not None) == (finding in ("witness", "always"))
+        if witness is not None and pair in everything.pairs:
+            assert pair in everything.check(witness, stop="all").names()
+            assert np.array_equal(audit.witness(*pair[::-1]), witness)
+        if finding in ("proved_never", "open"):
+            assert pair not in hits
+    kinds = list(audit.findings.values())
+    assert kinds.count("proved_never") > 2
+    assert kinds.count("witness") > 2
+    assert audit.missed == ()
+    path = tmp_path / "proved.srdf"
+    assert audit.srdf(path) == path.read_text(encoding="utf-8")
+    proved = Robot.load(DATA / "gantry.urdf", path)
+    checked = {pair for pair, finding in audit.findings.items() if finding in ("witness", "open")}
+    assert set(proved.pairs) == checked
+    assert np.array_equal(proved.check(q).collides, everything.check(q).collides)
+    with pytest.raises(impinge.InputError, match="no pair"):
+        audit.witness("base", "nothing")

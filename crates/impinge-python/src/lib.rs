@@ -112,7 +112,7 @@ mod _impinge {
     #[pymodule_export]
     use super::partitions::{PartitionCore, box_pairs};
     #[pymodule_export]
-    use super::pictures::{picture_of_pair, picture_of_scene, to_png};
+    use super::pictures::{picture_of_pair, picture_of_robot, picture_of_scene, to_png};
     #[pymodule_export]
     use super::points::{closest_point, contains, signed_distance, winding_number};
     #[pymodule_export]
@@ -120,9 +120,9 @@ mod _impinge {
     #[pymodule_export]
     use super::robot::RobotCore;
     #[pymodule_export]
-    use super::robot_checks::{robot_check, robot_of_parts};
+    use super::robot_checks::{robot_attached, robot_check, robot_of_parts};
     #[pymodule_export]
-    use super::robot_motions::{robot_clearance, robot_motions, robot_verify};
+    use super::robot_motions::{robot_audit, robot_clearance, robot_motions, robot_verify};
     #[pymodule_export]
     use super::scene::check_scene;
     #[pymodule_export]

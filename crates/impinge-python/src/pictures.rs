@@ -1,14 +1,19 @@
-//! Pictures of two meshes and of scenes.
+//! Pictures of two meshes, of scenes and of robots.
 
 use impinge::query;
-use impinge_report::picture::{self, Axis, Pair, PairView, Picture, SceneView, pair, png};
+use impinge::robot::CheckOptions;
+use impinge_report::picture::{self, Axis, Pair, PairView, Picture, RobotView, SceneView, pair, png};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::arrays::{array, plain_column};
 use crate::clash::{Part, scene_of};
+use crate::errors::Fault;
 use crate::mesh::mesh_of;
 use crate::model::unit_of;
+use crate::robot::{RobotCore, invalid};
+use crate::robot_checks::obstacles;
+use crate::scene;
 use crate::{poses, workers};
 
 /// Options of a picture: its size in pixels, azimuth and elevation of the camera in degrees, and
@@ -63,6 +68,27 @@ pub(crate) fn axis(name: &str) -> Axis {
 pub(crate) fn pixels<'py>(py: Python<'py>, picture: &Picture) -> PyResult<Bound<'py, PyAny>> {
     let [width, height] = picture.size().map(|side| side as usize);
     array(py, picture.pixels().as_flattened().to_vec(), &[height, width, 3])
+}
+
+/// Draws a robot in one configuration with obstacles. Returns red, green and blue, (height, width,
+/// 3).
+#[pyfunction]
+pub(crate) fn picture_of_robot<'py>(
+    robot: &RobotCore,
+    q: &Bound<'py, PyAny>,
+    parts: Vec<scene::Part<'py>>,
+    view: View,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (py, loaded, (size, angles, up)) = (q.py(), robot.loaded().clone(), view);
+    let values = plain_column::<f64>(q)?;
+    loaded.robot.check_rows(&values).map_err(|error| invalid(&error).raised(py))?;
+    let scene = obstacles(py, &parts)?;
+    let view = RobotView { size, angles, up: axis(&up) };
+    let picture = workers::run(py, move |_| {
+        let options = CheckOptions { obstacles: Some(&scene), ..CheckOptions::default() };
+        picture::robot(&loaded.robot, &values, &options, view)
+    })?;
+    pixels(py, &picture.map_err(|error| Fault::new("out-of-range", "q", error.to_string()).raised(py))?)
 }
 
 /// Returns red, green and blue, (height, width, 3), as a PNG file.

@@ -45,7 +45,7 @@ impl RobotCore {
         let options = RobotOptions { srdf, packages, geometry, limits };
         let loaded = workers::run(py, move |_| load_robot(&path, &options))?;
         let loaded = loaded.map_err(|error| load_error(py, &error))?;
-        Ok(Self { loaded: Arc::new(loaded) })
+        Ok(loaded.into())
     }
 
     #[getter]
@@ -113,12 +113,13 @@ impl RobotCore {
     }
 }
 
-impl RobotCore {
-    pub(crate) fn of(robot: Robot) -> Self {
-        let (name, groups, states, warnings) = (String::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { loaded: Arc::new(LoadedRobot { robot, name, groups, states, warnings }) }
+impl From<LoadedRobot> for RobotCore {
+    fn from(loaded: LoadedRobot) -> Self {
+        Self { loaded: Arc::new(loaded) }
     }
+}
 
+impl RobotCore {
     pub(crate) fn loaded(&self) -> &Arc<LoadedRobot> {
         &self.loaded
     }

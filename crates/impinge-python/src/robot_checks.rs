@@ -4,6 +4,7 @@ use impinge::Pose;
 use impinge::query::batch::{Answers, Execution};
 use impinge::robot::{CheckError, CheckOptions, Collision, Joint, JointKind, Link, Mimic, Other, Robot};
 use impinge::scene::{PartId, Scene, SceneError, Stop};
+use impinge_files::LoadedRobot;
 use pyo3::prelude::*;
 
 use crate::arrays::{array, plain_column, ragged, row_array};
@@ -37,7 +38,27 @@ pub(crate) fn robot_of_parts(
     let robot = Robot::new(links, joints);
     let mut robot = robot.map_err(|error| Fault::new("robot", "joints", error.to_string()).raised(py))?;
     robot.choose(ignored.into_iter().map(|(a, b)| ([a, b], Some(String::new()))));
-    Ok(RobotCore::of(robot))
+    let (name, groups, states, warnings) = (String::new(), Vec::new(), Vec::new(), Vec::new());
+    Ok(RobotCore::from(LoadedRobot { robot, name, groups, states, warnings }))
+}
+
+/// Returns the robot with an object attached to a link, given by its index, at a pose, and the
+/// indices of links that it may touch.
+#[pyfunction]
+pub(crate) fn robot_attached(
+    robot: &RobotCore,
+    name: String,
+    shape: &Bound<'_, PyAny>,
+    link: usize,
+    pose: &Bound<'_, PyAny>,
+    touch: Vec<usize>,
+) -> PyResult<RobotCore> {
+    let py = shape.py();
+    let shape = read_shape(shape, "shape", true)?.shape;
+    let pose = if pose.is_none() { Pose::IDENTITY } else { poses::read_one(pose, "pose", "one pose, (4, 4)")? };
+    let holding = robot.loaded().robot.attached(name, shape, link, pose, &touch);
+    let holding = holding.map_err(|error| Fault::new("robot", "attached", error.to_string()).raised(py))?;
+    Ok(RobotCore::from(LoadedRobot { robot: holding, ..LoadedRobot::clone(robot.loaded()) }))
 }
 
 /// Returns the collisions in each configuration: the offsets of the configurations, (n + 1,);

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use impinge::query::batch::Execution;
 use impinge::robot::{
-    Certificate, CertificateRow, CheckError, CheckOptions, Clearance, ClearanceOptions, MotionCheck, MotionOptions,
-    Other, Verdict,
+    AuditOptions, AuditedPair, Certificate, CertificateRow, CheckError, CheckOptions, Clearance, ClearanceOptions,
+    MotionCheck, MotionOptions, Other, PairFinding, Verdict,
 };
 use impinge::scene::{PartId, Scene, Stop};
 use impinge_files::LoadedRobot;
@@ -148,6 +148,58 @@ pub(crate) fn robot_verify(
     let certificate = Certificate { start, end, rows };
     let found = workers::run(py, move |_| loaded.robot.verify(&certificate, &around.options()))?;
     Ok(found.err().map(|error| error.to_string()))
+}
+
+/// Audit: pairs of links, (n, 2); the finding (0 adjacent, 1 proved never, 2 witness, 3 always, 4
+/// open), (n,); whether the pair is checked, (n,); a configuration that collides, NaN without one,
+/// (n, dof); and an SRDF file.
+type Audited<'py> = (Object<'py>, Object<'py>, Object<'py>, Object<'py>, String);
+
+/// Returns for each pair of links whether it can collide.
+#[pyfunction]
+pub(crate) fn robot_audit<'py>(
+    py: Python<'py>,
+    robot: &RobotCore,
+    samples: usize,
+    seed: u64,
+    max_boxes: usize,
+    progress: Progress,
+) -> PyResult<Audited<'py>> {
+    let (loaded, Progress(progress)) = (robot.loaded().clone(), progress);
+    let options = AuditOptions { samples, seed, max_boxes };
+    let work = {
+        let loaded = loaded.clone();
+        move |execution: Execution<'_>| match loaded.robot.audit(&options, execution) {
+            Err(CheckError::Stopped(stopped)) => Err(stopped),
+            found => Ok(found),
+        }
+    };
+    let (found, _) = workers::execute(py, Call { rows: samples, is_brief: false, progress }, work)?;
+    let found: Vec<AuditedPair> = found.map_err(|error| failed(&error).raised(py))?;
+    let srdf = loaded.srdf(&found);
+    let dof = loaded.robot.coordinates().len();
+    let number = |pair: &AuditedPair| match pair.finding {
+        PairFinding::Adjacent => 0_u8,
+        PairFinding::ProvedNever => 1,
+        PairFinding::Witness(_) => 2,
+        PairFinding::Always(_) => 3,
+        PairFinding::Open => 4,
+    };
+    let witness = |pair: &AuditedPair| match &pair.finding {
+        PairFinding::Witness(q) | PairFinding::Always(q) => q.clone(),
+        _ => vec![f64::NAN; dof],
+    };
+    let count = found.len();
+    let pairs = found.iter().map(|pair| pair.links.map(|link| link as i64)).collect();
+    let checked: Vec<bool> = found.iter().map(|pair| pair.is_checked).collect();
+    let witnesses: Vec<f64> = found.iter().flat_map(witness).collect();
+    Ok((
+        row_array(py, pairs, &[count])?,
+        array(py, found.iter().map(number).collect::<Vec<u8>>(), &[count])?,
+        array(py, checked, &[count])?,
+        array(py, witnesses, &[count, dof])?,
+        srdf,
+    ))
 }
 
 /// Returns for each configuration the bounds of its clearance, (n, 2), the nearest pair, (n, 2),

@@ -1,12 +1,13 @@
 //! `impinge robot check`: which configurations collide.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use impinge::query::batch::Execution;
-use impinge::robot::Collision;
+use impinge::robot::{CheckOptions, Collision};
 use impinge::scene::Stop;
+use impinge_report::picture::{Axis, RobotView, robot};
 use serde::Serialize;
 
 use super::load::{Loaded, RobotArguments, Surroundings, failure};
@@ -39,6 +40,9 @@ pub(super) struct Arguments {
     /// Find all pairs that collide, not only the first of each configuration
     #[arg(long)]
     all: bool,
+    /// Write a PNG picture of the first configuration that collides: what collides in colors
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
 }
 
 #[derive(Serialize)]
@@ -77,6 +81,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     if let Some(path) = &arguments.view {
         output::validate_page(path, &[&arguments.configs])?;
     }
+    if let Some(picture) = &arguments.picture {
+        output::validate(picture, &[&arguments.configs])?;
+        if output::extension(picture) != "png" {
+            return Err(output::unknown_extension(picture, ".png"));
+        }
+    }
     let loaded = arguments.robot.load(Some(&arguments.surroundings))?;
     let values = rows::read(&arguments.configs, loaded.robot())?;
     let stop = if arguments.all { Stop::All } else { Stop::First };
@@ -93,6 +103,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         page::of_configurations(path, &loaded, &values, &found)?;
     }
     let is_free = found.iter().all(Vec::is_empty);
+    if let (Some(path), Some(row)) = (&arguments.picture, found.iter().position(|pairs| !pairs.is_empty())) {
+        draw(&loaded, &values[row * columns..(row + 1) * columns], &options, path)?;
+    }
     let answer = if arguments.robot.json {
         console::to_line(&object(&loaded, &found, seconds))
     } else {
@@ -100,6 +113,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     };
     console::print_answer(&answer)?;
     Ok(if is_free { Verdict::Clear } else { Verdict::Collision })
+}
+
+/// Draws a configuration.
+fn draw(loaded: &Loaded, configuration: &[f64], options: &CheckOptions<'_>, path: &Path) -> Result<(), Failure> {
+    let view = RobotView { size: [960, 720], angles: [-35.0, 25.0], up: Axis::Z };
+    let picture = robot(loaded.robot(), configuration, options, view).map_err(|error| failure(&error))?;
+    output::write(path, |out| out.write_all(&picture.png()?))
 }
 
 fn object<'l>(loaded: &'l Loaded, found: &[Vec<Collision>], seconds: Seconds) -> Object<'l> {

@@ -1,5 +1,6 @@
 //! `impinge robot`: collisions of a robot in configurations and on motions.
 
+mod audit;
 mod check;
 mod clearance;
 mod inspect;
@@ -32,6 +33,7 @@ enum Question {
     Check(check::Arguments),
     Motion(motion::Arguments),
     Clearance(clearance::Arguments),
+    Audit(audit::Arguments),
 }
 
 /// Answers a question about a robot.
@@ -44,5 +46,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
         Question::Check(arguments) => check::run(arguments),
         Question::Motion(arguments) => motion::run(arguments),
         Question::Clearance(arguments) => clearance::run(arguments),
+        Question::Audit(arguments) => audit::run(arguments),
     }
 }

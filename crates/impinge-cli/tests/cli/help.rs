@@ -82,7 +82,9 @@ fn each_command_has_a_manual_page() {
     let mut pages: Vec<_> = entries.map(|page| page.unwrap().file_name().into_string().unwrap()).collect();
     pages.sort();
     let mut expected: Vec<_> = COMMANDS.iter().map(|command| format!("impinge-{command}.1")).collect();
-    expected.extend(["check", "clearance", "inspect", "motion"].map(|question| format!("impinge-robot-{question}.1")));
+    expected.extend(
+        ["audit", "check", "clearance", "inspect", "motion"].map(|question| format!("impinge-robot-{question}.1")),
+    );
     expected.push("impinge.1".to_owned());
     expected.sort();
     assert_eq!(pages, expected);

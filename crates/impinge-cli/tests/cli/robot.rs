@@ -45,6 +45,9 @@ fn check_finds_the_configurations_that_collide() {
     assert_eq!(object["collisions"][0]["configuration"], 1);
     let named = json(&ask(&folder, "check", "--configs named.csv --all --json"));
     assert_eq!(named["collisions"][0]["pairs"], object["collisions"][0]["pairs"]);
+    let drawn = ask(&folder, "check", "--configs q.csv --picture hit.png");
+    assert_eq!((drawn.code, drawn.stderr.as_str()), (1, ""), "{drawn:?}");
+    assert!(std::fs::read(folder.path("hit.png")).unwrap().starts_with(b"\x89PNG"));
     // A free configuration that is too near to an obstacle.
     folder.write("free.csv", "0,0,0,0,0\n");
     assert_eq!(ask(&folder, "check", "--configs free.csv").code, 0);
@@ -67,6 +70,26 @@ fn motion_proves_legs_and_finds_the_first_contact() {
     let run = ask(&folder, "motion", "--path free.csv");
     assert_eq!(run.code, 0);
     assert!(run.stdout.starts_with("The path is free: 1 leg proved\n"), "{run:?}");
+}
+
+#[test]
+fn audit_proves_pairs_and_writes_an_srdf_file() {
+    let folder = folder();
+    let run = ask(&folder, "audit", "--samples 500 --out new.srdf --json");
+    assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{run:?}");
+    let object = json(&run);
+    assert_eq!((&object["schema"], &object["samples"]), (&"impinge.robot.audit/1".into(), &500.into()));
+    let pairs = object["pairs"].as_array().unwrap();
+    assert_eq!(pairs.len(), 21);
+    let of = |finding: &str| pairs.iter().filter(|pair| pair["finding"] == finding).collect::<Vec<_>>();
+    assert!(of("witness").iter().all(|pair| pair["witness"].as_array().unwrap().len() == 5));
+    assert!(!of("proved_never").is_empty() && !of("witness").is_empty() && of("adjacent").len() >= 6);
+    // The file disables the pairs that need no check, and no others.
+    let inspected = folder.run(&format!("robot inspect {GANTRY}.urdf --srdf new.srdf --json"));
+    let ignored = of("adjacent").len() + of("proved_never").len() + of("always").len();
+    assert_eq!(json(&inspected)["ignored"].as_array().unwrap().len(), ignored, "{inspected:?}");
+    let run = ask(&folder, "audit", "--samples 500");
+    assert!(run.stdout.starts_with("gantry  21 pairs\n") && run.stdout.contains("which is proved\n"), "{run:?}");
 }
 
 #[test]

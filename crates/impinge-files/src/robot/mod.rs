@@ -8,9 +8,10 @@
 //! - Links and joints may be in any order.
 //!
 //! `urdf`, `geometry` and `attributes` read a URDF file, `packages` finds the meshes, `shapes`
-//! makes the shapes, and `srdf` reads an SRDF file.
+//! makes the shapes, and `srdf` reads an SRDF file. `audit` writes one.
 
 mod attributes;
+mod audit;
 mod geometry;
 mod packages;
 mod problem;

@@ -6,8 +6,8 @@
 //!
 //! `clash` draws a clash of a report: the `parts` of its scenes with their `sharp_edges`, its
 //! `subject`, from the direction that `view` chooses. `scene` draws all parts of a scene, `pair`
-//! two meshes with their intersection, `hierarchy` a mesh with boxes (`box_edges`, `svg`), and
-//! `character` hit volumes.
+//! two meshes with their intersection, `hierarchy` a mesh with boxes (`box_edges`, `svg`),
+//! `character` hit volumes, and `robot` a robot in a configuration.
 //!
 //! `camera` projects along directions of `axes`. `canvas` has triangles and layers, `lines` has
 //! lines and curves, `glyphs` letters, `scale` the scale bar and the axes, and `color` colors and
@@ -29,6 +29,7 @@ mod lines;
 mod pair;
 mod parts;
 mod pixels;
+mod robot;
 mod scale;
 mod scene;
 mod sharp_edges;
@@ -44,4 +45,5 @@ pub use color::{DISTINCT, DISTINCT_NAMES};
 pub use hierarchy::HierarchyPicture;
 pub use pair::{Pair, PairView, pair};
 pub use pixels::{Picture, png};
+pub use robot::{RobotView, robot};
 pub use scene::{SceneView, scene};

@@ -5,10 +5,8 @@ use std::error::Error;
 use std::fmt;
 
 use super::check::{CheckError, CheckOptions};
-use super::interval::{CertificateRow, Scan, State};
-use super::links::PlacedLink;
+use super::interval::{CertificateRow, Scan, Subject};
 use super::model::Robot;
-use crate::query::{Proximity, distance};
 
 /// The proof that a motion is free: intervals that cover it, for each pair of links and for each
 /// link and the obstacles.
@@ -49,6 +47,9 @@ pub enum CertificateError {
     },
 }
 
+/// The intervals that rows cover, by a link and the other link.
+type Covered = BTreeMap<(usize, Option<usize>), (Subject, Vec<[f64; 2]>)>;
+
 impl Robot {
     /// Verifies a certificate of [`check_motions`](Self::check_motions): that its rows cover the
     /// whole motion, and that each row holds. The options must be those of the check.
@@ -73,28 +74,27 @@ impl Robot {
         let scan = Scan::new(self, options);
         let mut state = scan.state();
         scan.begin(&mut state, &[start.clone(), end.clone()]);
-        let mut covered: BTreeMap<(usize, Option<usize>), Vec<[f64; 2]>> = BTreeMap::new();
-        for item in scan.items() {
-            covered.insert(self.subject(item as usize), Vec::new());
-        }
+        let names = |subject: &Subject| (subject.link, subject.pair.map(|(_, other)| other));
+        let mut covered: Covered =
+            scan.subjects().into_iter().map(|subject| (names(&subject), (subject, Vec::new()))).collect();
         let mut placed_at = None;
         for (at, row) in rows.iter().enumerate() {
             let invalid = CertificateError::Row { row: at };
             let CertificateRow { link, other, time, half } = *row;
             let [low, high] = [time - half, time + half];
-            // Times of intervals that were halved are exact, so these sums are, too.
+            // Times and lengths are multiples of one number, so these sums are exact.
             let is_exact = low + half == time && high - half == time;
-            let intervals = covered.get_mut(&(link, other)).filter(|_| is_exact && low <= high);
-            intervals.ok_or(invalid)?.push([low, high]);
-            if placed_at != Some([time, half]) {
-                scan.move_to(&mut state, time, half);
-                placed_at = Some([time, half]);
+            let is_valid = (0.0..=1.0).contains(&time) && is_exact && low <= high;
+            let (subject, intervals) = covered.get_mut(&(link, other)).filter(|_| is_valid).ok_or(invalid)?;
+            intervals.push([low, high]);
+            if placed_at.replace(time) != Some(time) {
+                scan.move_to(&mut state, time);
             }
-            if !self.holds(&scan, &mut state, row) {
+            if !scan.holds(&mut state, *subject, half) {
                 return Err(CertificateError::TooNear { row: at });
             }
         }
-        for ((link, other), mut intervals) in covered {
+        for ((link, other), (_, mut intervals)) in covered {
             intervals.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
             let mut time = 0.0_f64;
             for [low, high] in intervals {
@@ -108,49 +108,6 @@ impl Robot {
             }
         }
         Ok(())
-    }
-
-    /// Returns the link and the other link of an item of a proof.
-    fn subject(&self, item: usize) -> (usize, Option<usize>) {
-        match self.pairs().get(item) {
-            Some(&[a, b]) => (a, Some(b)),
-            None => (item - self.pairs().len(), None),
-        }
-    }
-
-    /// Reports whether the distances at the current time prove a row.
-    fn holds(&self, scan: &Scan<'_>, state: &mut State, row: &CertificateRow) -> bool {
-        match row.other {
-            Some(other) => {
-                let pair = [row.link, other];
-                let Ok(at) = self.pairs().binary_search(&pair) else { return false };
-                let needed = scan.needed(state, at);
-                pair.iter().for_each(|&link| state.links.place(link, self, &state.frames));
-                are_apart(pair.map(|link| &state.links.placed[link]), needed)
-            }
-            None => {
-                let needed = scan.needed_of_obstacles(state, row.link);
-                if !needed.is_finite() {
-                    return false;
-                }
-                state.links.place(row.link, self, &state.frames);
-                let placed = &state.links.placed[row.link];
-                scan.obstacles.near((row.link, placed), needed, &mut state.near);
-                state.near.iter().all(|&at| are_apart([placed, scan.obstacles.part(at).1], needed))
-            }
-        }
-    }
-}
-
-/// Reports whether the lower bound of the distance of two shapes is above a distance.
-fn are_apart(placed: [&PlacedLink; 2], needed: f64) -> bool {
-    match placed {
-        [PlacedLink::Nowhere, _] | [_, PlacedLink::Nowhere] => true,
-        [PlacedLink::At(a), PlacedLink::At(b)] => {
-            let found = distance(&**a, &**b);
-            found.proximity == Proximity::Apart && found.lower > needed
-        }
-        _ => false,
     }
 }
 

@@ -103,6 +103,11 @@ impl Culling {
         (a.iter().map(least).fold(f64::INFINITY, f64::min) - self.slack).max(0.0)
     }
 
+    /// Returns the greatest radius of the capsules of a link that were computed.
+    pub(super) fn thickness(&self, link: usize) -> f64 {
+        self.limbs[link].iter().map(|limb| limb.radius).fold(0.0, f64::max)
+    }
+
     /// Returns a bound on the sum of the magnitudes of the coordinates of all volumes.
     pub(super) fn size(&self, proxies: &[Proxy], frames: &[Frame]) -> f64 {
         let of = |(proxy, frame): (&Proxy, &Frame)| {
@@ -116,7 +121,8 @@ impl Culling {
         proxies.iter().zip(frames).map(of).fold(0.0, |size, of| if of <= size { size } else { of })
     }
 
-    fn place(&mut self, link: usize, proxies: &[Proxy], frames: &[Frame]) {
+    /// Computes the capsules of a link.
+    pub(super) fn place(&mut self, link: usize, proxies: &[Proxy], frames: &[Frame]) {
         if self.is_placed[link] {
             return;
         }

@@ -1,5 +1,5 @@
-//! Examines an interval of a motion: which pairs cannot collide within it, by their distance in
-//! its middle and by how far they can move from there.
+//! Examines a time of a motion: which pairs collide, and how long before and after it each pair
+//! cannot, by its distance and by how far it can move.
 
 use std::collections::HashMap;
 
@@ -10,16 +10,17 @@ use super::links::{PlacedLink, PlacedLinks, may_be_near};
 use super::model::Robot;
 use super::obstacles::Obstacles;
 use super::proxy::Proxy;
-use super::reach::{Chains, Rates, Reach};
+use super::reach::{Chains, Levers, Moment, Rates, Reach};
 use crate::budget::Budget;
-use crate::query::{Cache, Proximity};
+use crate::query::{Cache, Proximity, Query};
 
 /// Maximum distance for which shapes are compared, 2^200. Links that may move farther are not.
 const MAX_NEEDED: f64 = f64::from_bits((1023 + 200) << 52);
 
-/// Subjects of a proof: indices of pairs of links, and then, for each link, its index after those
-/// for the link and all obstacles.
-pub(super) type Items = Vec<u32>;
+/// Largest distance of the capsules of a pair, as a share of their radii, at which the distance of
+/// the shapes is computed. It is larger by about a radius, and frees longer intervals, but costs as
+/// much as ten times. If this is larger, more distances are computed at fewer times.
+const EXACT_SHARE: f64 = 0.2;
 
 /// An interval of a motion in which a pair of links, or a link and all obstacles, are proved to
 /// keep their clearance.
@@ -29,48 +30,59 @@ pub struct CertificateRow {
     pub link: usize,
     /// Index of the other link, which is larger; `None` for all obstacles.
     pub other: Option<usize>,
-    /// Middle of the interval, from 0 at the start of the motion to 1 at its end.
+    /// Time in the middle of the interval, from 0 at the start of the motion to 1 at its end.
     pub time: f64,
     /// Half of the length of the interval.
     pub half: f64,
 }
 
-/// Result of the examination of an interval.
-pub(super) enum Finding {
-    /// Nothing collides in the middle. The items that are not proved free.
-    Open(Items),
-    /// A pair collides in the middle. The items that are not proved free.
-    Hit(Collision, Items),
+/// Subject of a proof: a pair of links that is checked, or a link and all obstacles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Subject {
+    pub(super) link: usize,
+    /// Index of the pair and the other link; `None` for all obstacles.
+    pub(super) pair: Option<(usize, usize)>,
 }
 
-/// Verdict about one item.
-enum Answer {
-    Free,
-    Open,
+/// Answer about a subject at a time.
+pub(super) enum Answer {
+    /// The subject keeps its clearance for this long before and after. Zero if nothing is known.
+    Free(f64),
     Hit(Collision),
+}
+
+/// How long an interval a subject is to be freed for, before and after the current time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wish {
+    pub(super) half: f64,
+    /// Whether distances of shapes may be computed. Otherwise only volumes are compared.
+    pub(super) is_exact: bool,
 }
 
 /// The parts of a proof that do not depend on the motion.
 pub(super) struct Scan<'s> {
     pub(super) robot: &'s Robot,
-    pub(super) options: &'s CheckOptions<'s>,
-    pub(super) obstacles: Obstacles,
-    pub(super) chains: Chains,
-    /// For each pair the numbers of joints between each link and the last one that both share.
-    between: Vec<[usize; 2]>,
+    options: &'s CheckOptions<'s>,
+    obstacles: Obstacles,
+    chains: Chains,
+    /// For each pair the joints between the links.
+    paths: Vec<Vec<usize>>,
 }
 
-/// State that consecutive intervals share.
+/// State that consecutive times share.
 pub(super) struct State {
-    rates: Option<Rates>,
+    rates: Rates,
     ends: [Vec<f64>; 2],
-    pub(super) frames: Vec<Frame>,
-    pub(super) culling: Culling,
-    pub(super) links: PlacedLinks,
-    pub(super) reach: Reach,
+    configuration: Vec<f64>,
+    frames: Vec<Frame>,
+    culling: Culling,
+    links: PlacedLinks,
+    levers: Levers,
+    reach: Reach,
+    /// State of the last query of each pair, and of each link and obstacle.
     caches: Vec<Cache>,
     obstacle_caches: HashMap<(usize, usize), Cache>,
-    pub(super) near: Vec<usize>,
+    near: Vec<(f64, usize)>,
 }
 
 /// Returns the configuration at a time between 0 and 1.
@@ -82,207 +94,257 @@ pub(super) fn between(start: &[f64], end: &[f64], time: f64) -> Vec<f64> {
 impl<'s> Scan<'s> {
     pub(super) fn new(robot: &'s Robot, options: &'s CheckOptions<'s>) -> Self {
         let chains = Chains::new(robot);
-        let between = robot.pairs().iter().map(|&pair| chains.between(pair)).collect();
+        let paths = robot.pairs().iter().map(|&pair| chains.between(pair)).collect();
         let obstacles = Obstacles::new(options.obstacles, &options.ignored);
-        Self { robot, options, obstacles, chains, between }
+        Self { robot, options, obstacles, chains, paths }
     }
 
     pub(super) fn state(&self) -> State {
         State {
-            rates: None,
+            rates: Rates::default(),
             ends: [Vec::new(), Vec::new()],
+            configuration: Vec::new(),
             frames: Vec::new(),
             culling: Culling::default(),
             links: PlacedLinks::new(self.robot.links().len()),
+            levers: Levers::default(),
             reach: Reach::default(),
-            caches: self.robot.pairs().iter().map(|_| Cache::default()).collect(),
+            caches: Vec::new(),
             obstacle_caches: HashMap::new(),
             near: Vec::new(),
         }
     }
 
-    /// Starts a motion.
+    /// Starts a motion. Its distances do not depend on earlier motions.
     pub(super) fn begin(&self, state: &mut State, ends: &[Vec<f64>; 2]) {
-        state.rates = Some(Rates::new(self.robot, ends.each_ref().map(Vec::as_slice)));
+        self.forget(state);
+        self.move_between(state, ends);
+    }
+
+    /// Forgets all earlier queries.
+    pub(super) fn forget(&self, state: &mut State) {
+        state.caches.clear();
+        state.caches.resize_with(self.paths.len(), Cache::default);
+        state.obstacle_caches.clear();
+    }
+
+    /// Sets the start and the end of the motion.
+    pub(super) fn move_between(&self, state: &mut State, ends: &[Vec<f64>; 2]) {
+        state.rates = Rates::new(self.robot, ends.each_ref().map(Vec::as_slice));
         state.ends.clone_from(ends);
     }
 
+    /// Returns the coordinates that move the links of a pair, given by its index, relative to each
+    /// other.
+    pub(super) fn coordinates_between(&self, pair: usize) -> Vec<usize> {
+        let of = |&step: &usize| {
+            let source = &self.robot.steps()[step].source;
+            source.first..source.first + source.count
+        };
+        self.paths[pair].iter().flat_map(of).collect()
+    }
+
+    /// Returns the coordinate of the joint that moves a pair the most, given by its index, of those
+    /// that the last examination bounded. Returns `None` if no joint moves it.
+    pub(super) fn widest(&self, state: &State, pair: usize) -> Option<usize> {
+        let step = self.paths[pair][state.reach.widest()?];
+        let source = &self.robot.steps()[step].source;
+        let width = |&coordinate: &usize| state.ends[1][coordinate] - state.ends[0][coordinate];
+        (source.first..source.first + source.count).max_by(|a, b| width(a).total_cmp(&width(b)))
+    }
+
     /// Returns all subjects of a proof.
-    pub(super) fn items(&self) -> Items {
-        let pairs = self.robot.pairs().len();
+    pub(super) fn subjects(&self) -> Vec<Subject> {
+        let pair = |(at, &[link, other]): (usize, &[usize; 2])| Subject { link, pair: Some((at, other)) };
         let has_shape = |link: &usize| self.robot.links()[*link].shape.is_some();
         let links = (0..self.robot.links().len()).filter(|link| !self.obstacles.is_empty() && has_shape(link));
-        (0..pairs).chain(links.map(|link| pairs + link)).map(|item| item as u32).collect()
+        let pairs = self.robot.pairs().iter().enumerate().map(pair);
+        pairs.chain(links.map(|link| Subject { link, pair: None })).collect()
     }
 
-    /// Reports whether nothing bounds the motion of a link of each item.
-    pub(super) fn are_boundless(&self, items: &[u32]) -> bool {
+    /// Reports whether nothing bounds the motion of a link of a subject.
+    pub(super) fn is_boundless(&self, subject: Subject) -> bool {
         let is_boundless = |link: usize| matches!(self.robot.proxies()[link], Proxy::Anywhere);
-        items.iter().all(|&item| match self.robot.pairs().get(item as usize) {
-            Some(&[a, b]) => is_boundless(a) || is_boundless(b),
-            None => is_boundless(item as usize - self.robot.pairs().len()),
-        })
+        is_boundless(subject.link) || subject.pair.is_some_and(|(_, other)| is_boundless(other))
     }
 
-    /// Returns a pair that collides at the start of the motion.
-    pub(super) fn collision_at_start(&self, state: &mut State, budget: &Budget<'_>) -> Option<Collision> {
-        self.move_to(state, 0.0, 0.0);
-        self.items().into_iter().find_map(|item| match self.resolve(state, item, false, budget) {
-            Answer::Hit(collision) => Some(collision),
-            Answer::Free | Answer::Open => None,
-        })
-    }
-
-    /// Examines an interval, given its start, middle and end. Appends the proofs of the items that
-    /// are free to `rows`.
-    pub(super) fn examine(
-        &self,
-        state: &mut State,
-        [low, middle, high]: [f64; 3],
-        items: &[u32],
-        mut rows: Option<&mut Vec<CertificateRow>>,
-        budget: &Budget<'_>,
-    ) -> Finding {
-        let half = 0.5 * (high - low);
-        self.move_to(state, middle, half);
-        let mut open = Vec::new();
-        for (at, &item) in items.iter().enumerate() {
-            match self.resolve(state, item, true, budget) {
-                Answer::Free => {
-                    if let Some(rows) = &mut rows {
-                        let pair = self.robot.pairs().get(item as usize);
-                        let link = pair.map_or_else(|| item as usize - self.robot.pairs().len(), |pair| pair[0]);
-                        rows.push(CertificateRow { link, other: pair.map(|pair| pair[1]), time: middle, half });
-                    }
-                }
-                Answer::Open => open.push(item),
-                Answer::Hit(collision) => {
-                    open.extend(&items[at..]);
-                    return Finding::Hit(collision, open);
-                }
-            }
-        }
-        Finding::Open(open)
-    }
-
-    /// Places the volumes at a time, and bounds how far the links move within `half` of it.
-    pub(super) fn move_to(&self, state: &mut State, time: f64, half: f64) {
-        let State { rates, ends: [start, end], frames, culling, links, reach, .. } = state;
+    /// Moves the links to a time.
+    pub(super) fn move_to(&self, state: &mut State, time: f64) {
+        let State { ends: [start, end], configuration, frames, culling, links, levers, rates, .. } = state;
         let (robot, proxies) = (self.robot, self.robot.proxies());
-        let configuration = between(start, end, time);
-        robot.place(&configuration, frames);
+        *configuration = between(start, end, time);
+        robot.place(configuration, frames);
         links.start();
         culling.start(proxies, frames);
-        culling.place_all(proxies, frames);
         let size = culling.size(proxies, frames);
-        if let Some(rates) = rates {
-            let limbs = |link: usize| culling.placed_limbs(link, proxies);
-            reach.compute(robot, (&self.chains, rates), (&configuration, frames), half, size, limbs);
+        levers.start(&Moment { robot, chains: &self.chains, rates, configuration, frames }, size);
+    }
+
+    /// Bounds how far a subject moves around the current time.
+    fn bound(&self, state: &mut State, subject: Subject) {
+        let State { configuration, frames, culling, levers, rates, reach, .. } = state;
+        let moment = Moment { robot: self.robot, chains: &self.chains, rates, configuration, frames };
+        let clearance = self.clearance(subject);
+        match subject.pair {
+            Some((at, other)) => {
+                let path = (&*self.paths[at], clearance);
+                reach.of_pair([subject.link, other], path, &moment, levers, culling);
+            }
+            None => reach.of_link(subject.link, clearance, &moment, levers, culling),
         }
     }
 
-    /// Returns the distance of a pair of links, given by its index, at which the proof holds.
-    pub(super) fn needed(&self, state: &State, pair: usize) -> f64 {
-        state.reach.needed(self.robot.pairs()[pair], self.between[pair], self.options.self_padding, &self.chains)
-    }
-
-    /// Returns the distance of a link from obstacles at which the proof holds.
-    pub(super) fn needed_of_obstacles(&self, state: &State, link: usize) -> f64 {
-        state.reach.needed_of_obstacles(link, self.padding(link), &self.chains)
-    }
-
-    fn padding(&self, link: usize) -> f64 {
-        self.options.padding.get(link).copied().unwrap_or(0.0)
-    }
-
-    /// Decides about an item. If no proof is wanted, it is only compared at the current time.
-    fn resolve(&self, state: &mut State, item: u32, wants_proof: bool, budget: &Budget<'_>) -> Answer {
-        let item = item as usize;
-        match self.robot.pairs().get(item) {
-            Some(&pair) => {
-                // Room for the rounding of the distance by which a certificate is verified.
-                let needed = self.needed(state, item) + state.reach.rounding();
-                self.resolve_pair(state, (item, pair), wants_proof.then_some(needed), budget)
-            }
-            None => {
-                let link = item - self.robot.pairs().len();
-                let needed = self.needed_of_obstacles(state, link) + state.reach.rounding();
-                self.resolve_obstacles(state, link, wants_proof.then_some(needed), budget)
-            }
+    fn clearance(&self, subject: Subject) -> f64 {
+        match subject.pair {
+            Some(_) => self.options.self_padding,
+            None => self.options.padding.get(subject.link).copied().unwrap_or(0.0),
         }
     }
 
-    fn resolve_pair(
+    /// Decides whether a subject collides at the current time, and for how long it is free.
+    pub(super) fn examine(&self, state: &mut State, subject: Subject, wish: Wish, budget: &Budget<'_>) -> Answer {
+        self.bound(state, subject);
+        let wanted = state.reach.wanted(wish.half);
+        match subject.pair {
+            Some((at, other)) => self.examine_pair(state, (at, [subject.link, other]), wish, wanted, budget),
+            None => self.examine_obstacles(state, subject.link, wish, wanted, budget),
+        }
+    }
+
+    fn examine_pair(
         &self,
         state: &mut State,
         (at, pair): (usize, [usize; 2]),
-        needed: Option<f64>,
+        wish: Wish,
+        wanted: f64,
         budget: &Budget<'_>,
     ) -> Answer {
         let (robot, clearance) = (self.robot, self.options.self_padding);
-        let State { frames, culling, links, caches, .. } = state;
-        let needed = needed.filter(|needed| *needed <= MAX_NEEDED);
-        if needed.is_some_and(|needed| culling.are_apart(pair, needed, robot.proxies(), frames)) {
-            return Answer::Free;
+        let State { frames, culling, links, caches, reach, .. } = state;
+        if wanted <= MAX_NEEDED && culling.are_apart(pair, wanted, robot.proxies(), frames) {
+            return Answer::Free(wish.half);
+        }
+        pair.iter().for_each(|&link| culling.place(link, robot.proxies(), frames));
+        let least = culling.least_distance(pair, robot.proxies());
+        let radii = culling.thickness(pair[0]) + culling.thickness(pair[1]);
+        if !wish.is_exact || (least > clearance && least - clearance > EXACT_SHARE * radii) {
+            return Answer::Free(reach.half(least, wish.half));
         }
         pair.iter().for_each(|&link| links.place(link, robot, frames));
         let placed = pair.map(|link| &links.placed[link]);
-        let is_hit = || !culling.are_apart(pair, clearance, robot.proxies(), frames);
-        let collision = |found| collision(pair[0], Other::Link(pair[1]), found);
-        decide(placed, [clearance, needed.unwrap_or(f64::INFINITY)], is_hit, &mut caches[at], budget, collision)
+        if !may_be_near(placed[0], placed[1], wanted) {
+            return Answer::Free(wish.half);
+        }
+        match distance(placed, clearance, &mut caches[at], budget) {
+            Proof::Distance(distance) => Answer::Free(reach.half(distance.max(least), wish.half)),
+            Proof::Hit => {
+                collision(pair[0], Other::Link(pair[1]), Proximity::Intersects).map_or(Answer::Free(0.0), Answer::Hit)
+            }
+        }
     }
 
-    fn resolve_obstacles(&self, state: &mut State, link: usize, needed: Option<f64>, budget: &Budget<'_>) -> Answer {
-        let (robot, clearance) = (self.robot, self.padding(link));
-        let State { frames, culling, links, obstacle_caches, near, .. } = state;
-        let needed = needed.filter(|needed| *needed <= MAX_NEEDED);
-        let margin = needed.unwrap_or(clearance);
+    fn examine_obstacles(
+        &self,
+        state: &mut State,
+        link: usize,
+        wish: Wish,
+        wanted: f64,
+        budget: &Budget<'_>,
+    ) -> Answer {
+        let (robot, clearance) = (self.robot, self.clearance(Subject { link, pair: None }));
+        let State { frames, culling, links, obstacle_caches, reach, near, .. } = state;
+        let limit = wanted.min(MAX_NEEDED);
         let limbs = culling.limbs(link, robot.proxies(), frames);
-        if limbs.is_some_and(|(limbs, slack)| !self.obstacles.may_be_near(limbs, margin + slack)) {
-            return if needed.is_some() { Answer::Free } else { Answer::Open };
+        if limbs.is_some_and(|(limbs, slack)| !self.obstacles.may_be_near(limbs, limit + slack)) {
+            return Answer::Free(reach.half(limit.next_up(), wish.half));
+        }
+        near.clear();
+        self.obstacles.distances(link, limbs, limit, |at, least| near.push((least, at)));
+        near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        // All others are beyond the limit.
+        let least = near.first().map_or(limit.next_up(), |(least, _)| *least);
+        let radius = culling.thickness(link);
+        if !wish.is_exact || (least > clearance && least - clearance > EXACT_SHARE * radius) {
+            return Answer::Free(reach.half(least, wish.half));
         }
         links.place(link, robot, frames);
         let placed = &links.placed[link];
-        self.obstacles.near((link, placed), margin, near);
-        let mut is_free = needed.is_some();
-        for &at in &*near {
+        let mut best = limit.next_up();
+        for &(least, at) in &*near {
+            if least > best || budget.is_spent() {
+                break;
+            }
             let (part, obstacle) = self.obstacles.part(at);
+            if !may_be_near(placed, obstacle, best) {
+                continue;
+            }
             let cache = obstacle_caches.entry((link, at)).or_default();
-            let collision = |found| collision(link, Other::Obstacle(part), found);
-            let limits = [clearance, needed.unwrap_or(f64::INFINITY)];
-            match decide([placed, obstacle], limits, || true, cache, budget, collision) {
-                Answer::Free => {}
-                Answer::Open => is_free = false,
-                hit @ Answer::Hit(_) => return hit,
+            match distance([placed, obstacle], clearance, cache, budget) {
+                Proof::Distance(distance) => best = best.min(distance.max(least)),
+                Proof::Hit => {
+                    let hit = collision(link, Other::Obstacle(part), Proximity::Intersects);
+                    return hit.map_or(Answer::Free(0.0), Answer::Hit);
+                }
             }
         }
-        if is_free { Answer::Free } else { Answer::Open }
+        Answer::Free(reach.half(best, wish.half))
+    }
+
+    /// Reports whether the distances at the current time prove that a subject keeps its clearance
+    /// for `half` of the time before and after, by distances that no earlier query influenced.
+    pub(super) fn holds(&self, state: &mut State, subject: Subject, half: f64) -> bool {
+        self.bound(state, subject);
+        let needed = state.reach.needed(half);
+        let State { frames, culling, links, near, .. } = state;
+        links.place(subject.link, self.robot, frames);
+        if let Some((_, other)) = subject.pair {
+            links.place(other, self.robot, frames);
+            return are_apart([&links.placed[subject.link], &links.placed[other]], needed);
+        }
+        if !needed.is_finite() {
+            return false;
+        }
+        let placed = &links.placed[subject.link];
+        near.clear();
+        let limbs = culling.limbs(subject.link, self.robot.proxies(), frames);
+        self.obstacles.distances(subject.link, limbs, needed, |at, least| near.push((least, at)));
+        near.iter().all(|&(_, at)| are_apart([placed, self.obstacles.part(at).1], needed))
     }
 }
 
-/// Decides about two shapes: whether they are farther apart than the needed distance, and
-/// otherwise whether they are within the clearance.
-fn decide(
-    placed: [&PlacedLink; 2],
-    [clearance, needed]: [f64; 2],
-    may_hit: impl FnOnce() -> bool,
-    cache: &mut Cache,
-    budget: &Budget<'_>,
-    collision: impl FnOnce(Proximity) -> Option<Collision>,
-) -> Answer {
-    if placed.iter().any(|placed| placed.is_nowhere()) {
-        return Answer::Free;
+/// Result of a comparison of two shapes.
+enum Proof {
+    /// They are farther apart than the clearance, by at least this distance, or nothing if zero.
+    Distance(f64),
+    /// They are within the clearance.
+    Hit,
+}
+
+/// Compares two shapes.
+fn distance(placed: [&PlacedLink; 2], clearance: f64, cache: &mut Cache, budget: &Budget<'_>) -> Proof {
+    let [PlacedLink::At(a), PlacedLink::At(b)] = placed else {
+        let is_nowhere = placed.iter().any(|placed| placed.is_nowhere());
+        return Proof::Distance(if is_nowhere { f64::MAX } else { 0.0 });
+    };
+    let found = Query::new().with_cache(cache).with_budget(budget).distance(&**a, &**b);
+    if found.proximity == Proximity::Apart && found.lower > clearance {
+        return Proof::Distance(found.lower);
     }
-    if needed.is_finite()
-        && (!may_be_near(placed[0], placed[1], needed) || proximity(placed, needed, cache, budget) == Proximity::Apart)
-    {
-        return Answer::Free;
+    match if clearance > 0.0 { proximity(placed, clearance, cache, budget) } else { found.proximity } {
+        Proximity::Intersects => Proof::Hit,
+        Proximity::Apart => Proof::Distance(found.lower),
+        Proximity::Undecided => Proof::Distance(0.0),
     }
-    if !may_hit() || !may_be_near(placed[0], placed[1], clearance) {
-        return Answer::Open;
-    }
-    match proximity(placed, clearance, cache, budget) {
-        Proximity::Intersects => collision(Proximity::Intersects).map_or(Answer::Open, Answer::Hit),
-        Proximity::Apart | Proximity::Undecided => Answer::Open,
+}
+
+/// Reports whether the lower bound of the distance of two shapes is above a distance.
+fn are_apart(placed: [&PlacedLink; 2], needed: f64) -> bool {
+    match placed {
+        [PlacedLink::Nowhere, _] | [_, PlacedLink::Nowhere] => true,
+        [PlacedLink::At(a), PlacedLink::At(b)] => {
+            let found = crate::query::distance(&**a, &**b);
+            found.proximity == Proximity::Apart && found.lower > needed
+        }
+        _ => false,
     }
 }

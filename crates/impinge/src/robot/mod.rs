@@ -32,9 +32,10 @@
 //! its kinematics, and `frame` the maps that they compose. `outline` and `proxy` have volumes about
 //! links, `cull` culls pairs by them, and `links` and `obstacles` place shapes. `check` has the
 //! checks, `clearance` the clearances, and `motion` the proofs of motions: `reach` bounds how far
-//! links move, `interval` examines an interval, and `certificate` verifies proofs. Guarded by
-//! `tests/it/robots`.
+//! links move, `interval` examines a time and what is free about it, and `certificate` verifies
+//! proofs. `audit` finds the pairs that never collide. Guarded by `tests/it/robots`.
 
+mod audit;
 mod certificate;
 mod check;
 mod clearance;
@@ -52,6 +53,7 @@ mod proxy;
 mod reach;
 mod tree;
 
+pub use audit::{AuditOptions, AuditedPair, PairFinding};
 pub use certificate::{Certificate, CertificateError};
 pub use check::{CheckError, CheckOptions, Collision, Other};
 pub use clearance::{Clearance, ClearanceOptions};

@@ -77,6 +77,12 @@ impl Robot {
     /// Returns an error that names the link or the joint if the joints do not form one tree of all
     /// links, or if a number of a joint is invalid.
     pub fn new(links: Vec<Link>, joints: Vec<Joint>) -> Result<Self, RobotError> {
+        Self::with_proxies(links, joints, &[])
+    }
+
+    /// Returns the robot of some links and joints, given the volumes about the first links that are
+    /// known.
+    fn with_proxies(links: Vec<Link>, joints: Vec<Joint>, known: &[Proxy]) -> Result<Self, RobotError> {
         if links.iter().filter(|link| link.shape.is_some()).count() > MAX_SHAPES {
             return Err(RobotError::TooManyShapes { limit: MAX_SHAPES });
         }
@@ -93,11 +99,63 @@ impl Robot {
         };
         let coordinates = tree.coordinates.iter().map(coordinate).collect();
         let stretches = tree.stretches();
-        let proxies =
-            links.iter().zip(stretches).map(|(link, stretch)| Proxy::of(link.shape.as_ref(), stretch)).collect();
+        let new = links.iter().zip(stretches).skip(known.len());
+        let new = new.map(|(link, stretch)| Proxy::of(link.shape.as_ref(), stretch));
+        let proxies = known.iter().cloned().chain(new).collect();
         let (choices, pairs) = (HashMap::new(), Vec::new());
         let mut robot = Self { links, joints, tree, coordinates, by_name, choices, pairs, proxies };
         robot.pairs = robot.all_pairs().filter(|&[a, b]| robot.ignored_reason(a, b).is_none()).collect();
+        Ok(robot)
+    }
+
+    /// Returns a robot that also has an object attached to one of its links, such as a part in its
+    /// gripper. The object becomes the last link, with its own name, and shares its configurations
+    /// and the shapes and choices of this robot.
+    ///
+    /// The object is checked against all links, except for the link that holds it, for those that
+    /// only fixed joints connect with that link, and for those in `touch`. `pose` is the pose of
+    /// the object in the frame of the link.
+    ///
+    /// # Errors
+    /// Returns an error if a link has the name, if a joint has the name of the object followed by
+    /// `/attached`, or if the robot has too many shapes.
+    ///
+    /// # Panics
+    /// Panics if there is no link with one of the indices.
+    ///
+    /// ```
+    /// use impinge::robot::{Joint, JointKind, Link, Robot};
+    /// use impinge::{Pose, Shape};
+    ///
+    /// let rod = Shape::capsule([0.0; 3], [1.0, 0.0, 0.0], 0.0625)?;
+    /// let links = vec![
+    ///     Link { name: "base".into(), shape: Some(rod.clone()) },
+    ///     Link { name: "arm".into(), shape: Some(rod) },
+    /// ];
+    /// let at_tip = Pose::from_translation([1.0, 0.0, 0.0])?;
+    /// let turn = Joint::fixed("turn", "base", "arm", at_tip).moving(JointKind::Revolute, [0.0, 0.0, 1.0]);
+    /// let robot = Robot::new(links, vec![turn])?;
+    /// let holding = robot.attached("part", Shape::sphere([0.0; 3], 0.25)?, 1, at_tip, &[])?;
+    /// assert_eq!(holding.pairs(), [[0, 2]]);
+    /// assert_eq!(holding.coordinates(), robot.coordinates());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn attached(
+        &self,
+        name: impl Into<String>,
+        shape: Shape,
+        link: usize,
+        pose: Pose,
+        touch: &[usize],
+    ) -> Result<Self, RobotError> {
+        let (name, place) = (name.into(), self.links.len());
+        let mut links = self.links.clone();
+        let mut joints = self.joints.clone();
+        joints.push(Joint::fixed(format!("{name}/attached"), links[link].name.clone(), name.clone(), pose));
+        links.push(Link { name, shape: Some(shape) });
+        let mut robot = Self::with_proxies(links, joints, &self.proxies)?;
+        robot.choices.clone_from(&self.choices);
+        robot.choose(touch.iter().map(|&other| ([other, place], Some("touch".to_owned()))));
         Ok(robot)
     }
 
@@ -154,14 +212,20 @@ impl Robot {
     /// Panics if there is no link with one of the indices.
     #[must_use]
     pub fn ignored_reason(&self, a: usize, b: usize) -> Option<IgnoredReason> {
-        let tree = &self.tree;
         match self.choices.get(&[a.min(b), a.max(b)]) {
             Some(Some(reason)) => Some(IgnoredReason::Disabled(reason.clone())),
             Some(None) => None,
-            None if tree.bodies[a] == tree.bodies[b] => Some(IgnoredReason::Rigid),
-            None if tree.parents[a] == Some(b) || tree.parents[b] == Some(a) => Some(IgnoredReason::Adjacent),
-            None => None,
+            None => self.connection(a, b),
         }
+    }
+
+    /// Returns how joints connect two links so that the pair is not checked by default.
+    pub(super) fn connection(&self, a: usize, b: usize) -> Option<IgnoredReason> {
+        let Tree { bodies, parents, .. } = &self.tree;
+        if bodies[a] == bodies[b] {
+            return Some(IgnoredReason::Rigid);
+        }
+        (parents[a] == Some(b) || parents[b] == Some(a)).then_some(IgnoredReason::Adjacent)
     }
 
     /// Changes which pairs of links are checked. Each item is a pair of different links, in either
@@ -260,7 +324,7 @@ impl Robot {
     }
 
     /// Returns all pairs of links with shapes, sorted.
-    fn all_pairs(&self) -> impl Iterator<Item = [usize; 2]> {
+    pub(super) fn all_pairs(&self) -> impl Iterator<Item = [usize; 2]> {
         let has_shape = |link: &usize| self.links[*link].shape.is_some();
         let links = 0..self.links.len();
         links.clone().filter(has_shape).flat_map(move |a| (a + 1..links.end).filter(has_shape).map(move |b| [a, b]))

@@ -3,8 +3,9 @@
 
 use super::certificate::Certificate;
 use super::check::{CheckError, CheckOptions, Collision};
-use super::interval::{CertificateRow, Finding, Items, Scan, State, between};
+use super::interval::{Answer, CertificateRow, Scan, State, Subject, Wish, between};
 use super::model::Robot;
+use super::reach::QUANTUM;
 use crate::budget::Budget;
 use crate::query::batch::{Answers, Execution, Status};
 
@@ -14,6 +15,10 @@ const MIN_LENGTH: f64 = 1.0 / (1_u64 << 40) as f64;
 /// Length of an interval that is known to contain the first contact with which the search ends,
 /// 2^-34 of the motion.
 const MAX_CONTACT_LENGTH: f64 = 1.0 / (1_u64 << 34) as f64;
+
+/// Length of the shortest step from the end of what is proved free, 2^-36 of the motion. Links that
+/// approach each other are free for less and less; this step leads beyond their first contact.
+const MIN_STEP: f64 = 1.0 / (1_u64 << 36) as f64;
 
 /// Length at which intervals are no longer halved if no bound on the motion of a link is known,
 /// 2^-6. Nothing can be proved there, but collisions can be found.
@@ -141,13 +146,90 @@ impl Robot {
     }
 }
 
+/// A subject of a proof, and where it is not yet proved free.
+#[derive(Clone, Debug)]
+struct Track {
+    subject: Subject,
+    /// Intervals that are not proved free, the last one first.
+    open: Vec<[f64; 2]>,
+    /// How long the subject was free before and after the last time that was chosen for it, and how
+    /// that changed.
+    half: f64,
+    trend: f64,
+}
+
+impl Track {
+    /// Returns the first interval that is not proved free.
+    fn first(&self) -> Option<[f64; 2]> {
+        self.open.last().copied()
+    }
+
+    /// Returns the interval that contains a time and is not proved free.
+    fn around(&self, time: f64) -> Option<[f64; 2]> {
+        self.open.iter().copied().find(|[low, high]| (*low..=*high).contains(&time))
+    }
+
+    /// Removes what an interval covers from those that are open.
+    fn free(&mut self, [low, high]: [f64; 2]) {
+        if !self.open.iter().any(|open| low <= open[1] && open[0] <= high) {
+            return;
+        }
+        let rest = |&[first, last]: &[f64; 2]| {
+            let parts = if high < first || last < low {
+                [None, Some([first, last])]
+            } else {
+                [(high < last).then_some([high, last]), (first < low).then_some([first, low])]
+            };
+            parts.into_iter().flatten()
+        };
+        self.open = self.open.iter().flat_map(rest).collect();
+    }
+
+    /// Removes all after a time.
+    fn end_at(&mut self, time: f64) {
+        self.open.retain(|open| open[0] <= time);
+        self.open.iter_mut().for_each(|open| open[1] = open[1].min(time));
+    }
+
+    /// Returns the time to examine in the first open interval: in its middle, or, if the subject is
+    /// free for much less, about as far from its start as that.
+    fn next_time(&self, [low, high]: [f64; 2]) -> f64 {
+        let length = high - low;
+        let step = (self.half * self.trend).max(MIN_STEP);
+        if self.half > 0.0 && 8.0 * step < length {
+            simplest_between([low + 0.5 * step, low + 0.875 * step])
+        } else {
+            simplest_between([low + 0.25 * length, high - 0.25 * length])
+        }
+    }
+
+    /// Records how long the subject is free about a time that was chosen for it.
+    fn record(&mut self, half: f64) {
+        self.trend = if self.half > 0.0 { (half / self.half).clamp(0.25, 1.0) } else { 1.0 };
+        self.half = half;
+    }
+}
+
+/// Returns the number in an interval that is a multiple of the largest power of two. Intervals of
+/// several subjects often have the same.
+fn simplest_between([low, high]: [f64; 2]) -> f64 {
+    let mut scale = 1.0;
+    loop {
+        let found = (low * scale).ceil() / scale;
+        if found <= high || scale * QUANTUM >= 1.0 {
+            return found;
+        }
+        scale *= 2.0;
+    }
+}
+
 /// The search for the first contact of a motion.
 struct Search {
     ends: [Vec<f64>; 2],
     max_steps: usize,
-    free_until: f64,
-    /// Whether an interval was left undecided.
-    has_gap: bool,
+    tracks: Vec<Track>,
+    /// Start of the first interval that is left undecided.
+    gap: Option<f64>,
     hit: Option<(f64, Collision)>,
     rows: Option<Vec<CertificateRow>>,
 }
@@ -155,70 +237,100 @@ struct Search {
 impl Search {
     fn new(options: &MotionOptions<'_>, ends: [Vec<f64>; 2]) -> Self {
         let rows = options.keeps_certificate.then(Vec::new);
-        Self { ends, max_steps: options.max_steps, free_until: 0.0, has_gap: false, hit: None, rows }
+        Self { ends, max_steps: options.max_steps, tracks: Vec::new(), gap: None, hit: None, rows }
     }
 
-    /// Examines intervals from the start of the motion to its end, and halves those that are not
-    /// proved free.
+    /// Examines times until all subjects are proved free before the first contact.
     fn run(&mut self, scan: &Scan<'_>, state: &mut State, budget: &Budget<'_>) {
         scan.begin(state, &self.ends);
-        let mut stack: Vec<([f64; 2], Items)> = vec![([0.0, 1.0], scan.items())];
-        // The start itself, which no interval has as its middle.
-        if let Some(collision) = scan.collision_at_start(state, budget) {
-            self.hit = Some((0.0, collision));
-            return;
+        let track = |subject| Track { subject, open: vec![[0.0, 1.0]], half: 0.0, trend: 1.0 };
+        self.tracks = scan.subjects().into_iter().map(track).collect();
+        if !self.tracks.is_empty() {
+            self.examine(scan, state, 0.0, None, budget);
         }
         let mut steps = 0;
-        while let Some(([low, high], items)) = stack.pop() {
-            let hit_at = self.hit.as_ref().map_or(f64::INFINITY, |(time, _)| *time);
-            if !self.has_gap {
-                self.free_until = low;
-            }
-            if low >= hit_at || hit_at - low <= MAX_CONTACT_LENGTH || (self.has_gap && self.hit.is_some()) {
+        while let Some((chosen, [low, high])) = self.first_open() {
+            let is_near_hit = self.hit.as_ref().is_some_and(|(time, _)| time - low <= MAX_CONTACT_LENGTH);
+            if is_near_hit || (self.gap.is_some() && self.hit.is_some()) {
                 return;
             }
             steps += 1;
             if steps > self.max_steps || budget.is_spent() {
-                self.has_gap = true;
+                self.gap.get_or_insert(low);
                 return;
             }
-            let middle = 0.5 * (low + high);
-            let open = match scan.examine(state, [low, middle, high], &items, self.rows.as_mut(), budget) {
-                Finding::Open(open) => open,
-                Finding::Hit(collision, open) => {
-                    self.hit = Some((middle, collision));
-                    stack.push(([low, middle], open));
-                    continue;
-                }
-            };
-            if open.is_empty() {
+            let track = &mut self.tracks[chosen];
+            let min_length = if scan.is_boundless(track.subject) { MIN_SAMPLED_LENGTH } else { MIN_LENGTH };
+            if high - low <= min_length {
+                self.gap.get_or_insert(low);
+                track.free([low, high]);
                 continue;
             }
-            let length = high - low;
-            if length <= MIN_LENGTH || (length <= MIN_SAMPLED_LENGTH && scan.are_boundless(&open)) {
-                self.has_gap = true;
-                continue;
-            }
-            stack.push(([middle, high], open.clone()));
-            stack.push(([low, middle], open));
-        }
-        if !self.has_gap && self.hit.is_none() {
-            self.free_until = 1.0;
+            let time = track.next_time([low, high]);
+            self.examine(scan, state, time, Some(chosen), budget);
         }
     }
 
+    /// Returns the number of the subject whose open interval is the first, and the interval.
+    fn first_open(&self) -> Option<(usize, [f64; 2])> {
+        let open = self.tracks.iter().enumerate().filter_map(|(at, track)| Some((at, track.first()?)));
+        open.min_by(|(_, a), (_, b)| a[0].total_cmp(&b[0]))
+    }
+
+    /// Examines a time for all subjects that are open there. Distances of shapes are computed for
+    /// the chosen one, and for those that are open on both sides for a while. At the start all are.
+    fn examine(&mut self, scan: &Scan<'_>, state: &mut State, time: f64, chosen: Option<usize>, budget: &Budget<'_>) {
+        scan.move_to(state, time);
+        for (at, track) in self.tracks.iter_mut().enumerate() {
+            let Some([low, high]) = track.around(time) else { continue };
+            let (before, after) = (time - low, high - time);
+            let is_exact = time == 0.0 || chosen == Some(at) || 4.0 * before.min(after) >= high - low;
+            let wish = Wish { half: before.max(after), is_exact };
+            match scan.examine(state, track.subject, wish, budget) {
+                Answer::Free(half) => {
+                    if half > 0.0 {
+                        if let Some(rows) = &mut self.rows {
+                            let Subject { link, pair } = track.subject;
+                            rows.push(CertificateRow { link, other: pair.map(|(_, other)| other), time, half });
+                        }
+                        track.free([time - half, time + half]);
+                    } else if chosen == Some(at) {
+                        // Nothing is known: both sides are examined.
+                        track.free([time, time]);
+                    }
+                    if is_exact {
+                        track.record(half);
+                    }
+                }
+                Answer::Hit(collision) => {
+                    self.hit = Some((time, collision));
+                    self.tracks.iter_mut().for_each(|track| track.end_at(time));
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Returns the time until which all subjects are proved free.
+    fn free_until(&self) -> f64 {
+        let open = self.first_open().map(|(_, [low, _])| low);
+        let hit = self.hit.as_ref().map(|(time, _)| *time);
+        [open, self.gap, hit].into_iter().flatten().fold(1.0, f64::min)
+    }
+
     fn answer(self) -> MotionCheck {
-        let verdict = match (&self.hit, self.has_gap) {
+        let free_until = self.free_until();
+        let verdict = match (&self.hit, self.gap) {
             (Some(_), _) => Verdict::Collides,
-            (None, true) => Verdict::Undecided,
-            (None, false) => Verdict::Free,
+            (None, Some(_)) => Verdict::Undecided,
+            (None, None) => Verdict::Free,
         };
         let [start, end] = self.ends;
         let hit = self.hit.as_ref().map(|(time, _)| between(&start, &end, *time));
         let rows = self.rows.filter(|_| verdict == Verdict::Free);
         MotionCheck {
             verdict,
-            free_until: self.free_until,
+            free_until,
             hit_at: self.hit.as_ref().map(|(time, _)| *time),
             collision: self.hit.map(|(_, collision)| collision),
             hit,

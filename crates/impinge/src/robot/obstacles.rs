@@ -100,7 +100,8 @@ impl Obstacles {
             let reach = (limb.radius + clearance).next_up();
             let min = std::array::from_fn(|k| (start[k].min(end[k]) - reach).next_down());
             let max = std::array::from_fn(|k| (start[k].max(end[k]) + reach).next_up());
-            let overlaps = |[low, high]: [[f64; 3]; 2]| (0..3).all(|k| min[k] <= high[k] && low[k] <= max[k]);
+            // Bounds that are not numbers overlap everything.
+            let overlaps = |[low, high]: [[f64; 3]; 2]| (0..3).all(|k| !(min[k] > high[k] || low[k] > max[k]));
             match (&self.tree, MinMax::new(min, max)) {
                 (Some(tree), Ok(bounds)) => tree.overlapping(&bounds, &mut |_| ControlFlow::Break(())).is_break(),
                 _ => self.parts.iter().any(|(_, placed)| placed.bounds().is_some_and(overlaps)),

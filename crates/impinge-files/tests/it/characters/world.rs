@@ -101,7 +101,7 @@ fn parts_of_one_character_form_pairs_only_without_an_owner() {
         [(None, Layers::ALL, true), (Some(3), Layers::ALL, false), (None, Layers { on: 1, meets: 2 }, false)]
     {
         let mut world = World::new();
-        let traits = Traits { owner, layers, kind: Kind::Moving, tag: u64::MAX };
+        let traits = Traits { owner, layers, kind: Kind::Moving, tag: u64::MAX, surface: None };
         let bodies = PartBodies::insert(&mut world, &posed, traits).unwrap();
         assert_eq!(!world.step(&[]).unwrap().began.is_empty(), meets);
         // Tags wrap around.

@@ -1,5 +1,6 @@
 //! Robots against chains of poses, and checks against queries pair by pair.
 
+mod audits;
 mod checks;
 mod clearances;
 mod kinematics;
