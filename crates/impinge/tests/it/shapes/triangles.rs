@@ -39,8 +39,8 @@ fn corners_of_round_shapes_are_on_their_surface() {
                 let point = [0, 1, 2].map(|k| middle[k] + factor * (corner[k] - middle[k]));
                 Shape::point(point).unwrap().at(Pose::IDENTITY).unwrap()
             };
-            assert!(query::intersects(&placed, &scaled(1.0 - 1e-8)), "{corner:?} of {shape:?}");
-            assert!(!query::intersects(&placed, &scaled(1.0 + 1e-6)), "{corner:?} of {shape:?}");
+            assert!(query::intersects(&placed, scaled(1.0 - 1e-8)), "{corner:?} of {shape:?}");
+            assert!(!query::intersects(&placed, scaled(1.0 + 1e-6)), "{corner:?} of {shape:?}");
         }
     }
 }
