@@ -105,6 +105,9 @@ def clash(
     [('clash', 'floor', 'roof')]
     """
     labeled = _labeled(scenes)
+    if flag(between, "between") and len(labeled) < 2:
+        message = "compares parts of different scenes, and there is one scene"
+        raise InputError(message, kind="option", what="between", hint="pass a mapping of labels to scenes")
     answer = engine(on).clash(
         [(label, parts_of(scene), list(scene._ignored_places())) for label, scene in labeled.items()],
         (unit_of(labeled), up_of(labeled) if up is None else chosen(up, ("x", "y", "z"), "up")),

@@ -121,6 +121,8 @@ def test_the_report_does_not_depend_on_threads_or_order():
 
 def test_labels_name_scenes_and_between_skips_pairs_inside_one():
     old, new = house({"wall": [0, 0, 0], "pipe": [0.75, 0, 0]}), house({"duct": [0, 0.5, 0]})
+    with pytest.raises(impinge.InputError, match="there is one scene"):
+        impinge.clash(old, between=True)
     both = impinge.clash({"arch": old, "mep": new})
     assert len(both) == 3
     between = impinge.clash({"arch": old, "mep": new}, between=True)

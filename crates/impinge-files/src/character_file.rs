@@ -202,7 +202,7 @@ fn read_text(path: &Path, limits: &Limits) -> Result<String, LoadError> {
 fn read(text: &str) -> Result<Vec<Part>, LoadError> {
     let line = |offset: usize| 1 + text.as_bytes()[..offset.min(text.len())].iter().filter(|b| **b == b'\n').count();
     toml::from_str::<File>(text).map(|file| file.part).map_err(|e| {
-        let error = LoadError::syntax("a table [[part]] for each part", e.message().as_bytes());
+        let error = LoadError::refused("a table [[part]] for each part", &e.message());
         match e.span() {
             Some(span) => error.at(Place::Line(line(span.start) as u64)),
             None => error,

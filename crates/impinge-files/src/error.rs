@@ -161,6 +161,17 @@ impl LoadError {
         Self::new(LoadErrorKind::Syntax { expected: expected.into(), found })
     }
 
+    /// Returns the error about a text that a parser refuses, with the reason of the parser.
+    pub(crate) fn refused(expected: impl Into<String>, reason: &dyn fmt::Display) -> Self {
+        const SHOWN: usize = 400;
+        let mut found: String = reason.to_string().chars().take(SHOWN + 1).collect();
+        if found.chars().count() > SHOWN {
+            found.pop();
+            found += "...";
+        }
+        Self::new(LoadErrorKind::Syntax { expected: expected.into(), found })
+    }
+
     pub(crate) fn io(error: &std::io::Error) -> Self {
         Self::new(LoadErrorKind::Io { kind: error.kind(), message: error.to_string() })
     }

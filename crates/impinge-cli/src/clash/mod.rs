@@ -278,6 +278,11 @@ impl Arguments {
 
     /// Validates the names of the output files, before any work.
     fn validate_outputs(&self) -> Result<(), Failure> {
+        if self.between && self.scenes.len() < 2 {
+            let failure =
+                Failure::new("option", "--between compares parts of different scenes, and there is one scene");
+            return Err(failure.hint("name two scenes or more, or leave out --between"));
+        }
         if let Some(path) = self.csv.as_deref().filter(|path| output::extension(path) != "csv") {
             return Err(output::unknown_extension(path, ".csv"));
         }

@@ -50,6 +50,11 @@ fn scenes(outcome: &Outcome<'_>) -> String {
         text += line.trim_end();
         text += "\n";
     }
+    if outcome.scenes().iter().any(|scene| scene.open > 0) {
+        text += &format!(
+            "{FAINT}Depths of open parts are estimates: the inside of an open part is not certain.{FAINT:#}\n"
+        );
+    }
     text
 }
 
@@ -73,8 +78,20 @@ fn scene_row(outcome: &Outcome<'_>, scene: &SceneAbout) -> [String; 6] {
 fn asked(outcome: &Outcome<'_>) -> String {
     let asked = &outcome.about.asked;
     let length = |x: f64| length_text(x, outcome.about.unit);
-    let mut parts = vec![if asked.between { "parts of different scenes" } else { "all pairs of parts" }.to_owned()];
-    let default = if asked.default_tolerance { " (the default)" } else { "" };
+    let rules = outcome.about.rules.map_or(&[][..], |rules| &rules.rules);
+    let pairs = match (rules.is_empty(), asked.between) {
+        (true, false) => "all pairs of parts",
+        (true, true) => "parts of different scenes",
+        (false, false) => "pairs of parts that a rule names",
+        (false, true) => "parts of different scenes that a rule names",
+    };
+    let mut parts = vec![pairs.to_owned()];
+    let default = match (asked.default_tolerance, rules.iter().any(|rule| rule.tolerance.is_some())) {
+        (true, false) => " (the default)",
+        (true, true) => " (the default), or than the tolerance of the rule",
+        (false, true) => ", or than the tolerance of the rule",
+        (false, false) => "",
+    };
     let sag = asked.sag.map_or(String::new(), |sag| format!(" plus twice the sag of {}", length(sag)));
     parts.push(format!("common material deeper than {}{default}{sag}", length(asked.tolerance)));
     parts.extend(asked.clearance.map(|clearance| format!("gaps of at most {}", length(clearance))));
@@ -122,7 +139,7 @@ fn kinds(outcome: &Outcome<'_>) -> String {
         ("duplicate", counts.duplicate, "same shape in the same place", true),
         ("contained", counts.contained, "one part lies inside the other", true),
         ("clash", counts.clash, "common material deeper than the tolerance", true),
-        ("undecided", counts.undecided, "nothing is proved, so they count as clashes", counts.undecided > 0),
+        ("undecided", counts.undecided, "not decided, so they count as clashes", counts.undecided > 0),
         ("contact", counts.contact, "they touch", asked.contacts),
         ("clearance", counts.clearance, "the gap is too small", has_clearance),
     ];
@@ -179,7 +196,7 @@ fn gap_sentence(gap: &DepthGap, tolerance: f64, length: &dyn Fn(f64) -> String) 
     };
     let overlap = if gap.below == 1 { "overlaps" } else { "overlap" };
     format!(
-        "{} {overlap} by at most {}, {} by at least {}, {between}: {place}",
+        "{} {overlap} by about {} or less, {} by about {} or more, {between}: {place}",
         counted(gap.below, "pair"),
         length(gap.from),
         count(gap.above),
@@ -200,9 +217,17 @@ fn groups(outcome: &Outcome<'_>) -> String {
             lines.iter().for_each(|line| text += &format!("  {}\n", escaped(line)));
         }
     };
-    let sentences = report.groups.iter().take(SHOWN).map(|group| group.sentence(report, &length)).collect();
-    section("worst groups", report.groups.len(), sentences);
-    let sets = report.duplicates.iter().take(SHOWN).map(|set| set.sentence()).collect();
+    let line = |id: &str, sentence: String| format!("{id}  {sentence}");
+    let groups = report.groups.iter().take(SHOWN);
+    let groups =
+        groups.map(|group| line(&report.clashes[group.clashes[0]].id, group.sentence(report, &length))).collect();
+    section("groups, the largest first, each with its worst clash", report.groups.len(), groups);
+    if report.groups.is_empty() {
+        let clashes = report.clashes.iter().take(SHOWN);
+        let clashes = clashes.map(|clash| line(&clash.id, clash.sentence(&length))).collect();
+        section("worst clashes", report.clashes.len(), clashes);
+    }
+    let sets = report.duplicates.iter().take(SHOWN).map(|set| line(&set.id, set.sentence())).collect();
     section("duplicates", report.duplicates.len(), sets);
     text
 }

@@ -26,6 +26,9 @@ pub(super) struct Loaded {
 /// Extensions of files that have to be converted first, and the command that does it.
 const CONVERTIBLE: [&str; 4] = ["ifc", "ifczip", "step", "stp"];
 
+/// Extensions of files that options write, with the option. A path after a space is a scene.
+const OUTPUTS: [(&str, &str); 4] = [("json", "--json="), ("csv", "--csv "), ("html", "--view "), ("bcfzip", "--bcf ")];
+
 /// Splits `LABEL=SCENE`. Without a label, the label is the name of the file without its extension.
 pub(super) fn split(argument: &str) -> (String, PathBuf) {
     let labeled = argument.split_once('=').filter(|(label, path)| {
@@ -95,6 +98,10 @@ fn load_one(label: &str, path: &Path, options: &SceneOptions) -> Result<Loaded, 
         )
         .in_file(path)
         .hint(format!("run: python -m impinge.convert {} -o {}", path.display(), glb.display())));
+    }
+    if let Some((_, option)) = OUTPUTS.iter().find(|(written, _)| *written == extension) {
+        let failure = Failure::new("unsupported-format", format!("a .{extension} file is not a scene")).in_file(path);
+        return Err(failure.hint(format!("to write it, add {option}{}", path.display())));
     }
     let model = load_scene(path, options)?;
     let warnings = model.warnings.iter().map(ToString::to_string).collect();

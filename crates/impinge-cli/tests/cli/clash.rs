@@ -58,11 +58,17 @@ fn the_report_names_kinds_depths_and_groups() {
         "house  house.obj  4 parts",
         "common material deeper than 0.1 mm (the default); gaps of at most 20 mm",
         "1 clash, 1 narrow gap",
-        "\n  part 'wall' meets 2 parts; the worst: part 'pipe' enters part 'wall' by 125 mm\n",
+        "  part 'wall' meets 2 parts; the worst: part 'pipe' enters part 'wall' by 125 mm\n",
         "100 mm to 1 m",
     ] {
         assert!(run.stdout.contains(part), "{part:?} is not in {}", run.stdout);
     }
+    // Each line begins with the identity of its clash.
+    let ids = json(&folder.run("clash house.obj --unit m --json"));
+    let id = ids["clashes"][0]["id"].as_str().unwrap();
+    assert!(run.stdout.contains(&format!("\n  {id}  part 'wall'")), "{}", run.stdout);
+    let single = folder.run("clash house.obj --unit m --group none");
+    assert!(single.stdout.contains(&format!("worst clashes\n  {id}  part 'pipe' enters")), "{}", single.stdout);
     let clear = folder.run("clash house.obj --tolerance 1/4");
     assert_eq!((clear.code, clear.stderr.as_str()), (0, ""));
     assert!(clear.stdout.contains("No clashes"), "{}", clear.stdout);
@@ -250,6 +256,16 @@ fn outputs_and_inputs_are_validated_before_any_work() {
     let run = folder.run("clash model.ifc --json");
     let hint = json(&run)["error"]["hint"].as_str().unwrap().to_owned();
     assert_eq!(hint, "run: python -m impinge.convert model.ifc -o model.glb");
+    // An output after a space is taken for a scene.
+    let run = folder.run("clash house.obj --json new.json");
+    assert_eq!(run.code, 2);
+    assert_eq!(json(&run)["error"]["hint"], "to write it, add --json=new.json");
+    let run = folder.run("clash house.obj --between --json");
+    assert_eq!(json(&run)["error"]["hint"], "name two scenes or more, or leave out --between");
+    folder.write("rules.toml", "[[rule]]\na = \"*\"\nb = \"*\"\ntollerance = 3\n");
+    let run = folder.run("clash house.obj --rules rules.toml --json");
+    let message = json(&run)["error"]["message"].as_str().unwrap().to_owned();
+    assert!(message.contains("`tollerance`") && message.contains("`tolerance`"), "{message}");
     assert_eq!(folder.run("clash missing.obj").code, 2);
 }
 

@@ -59,9 +59,8 @@ enum SourceMode {
 }
 
 pub(super) fn read(text: &str, unit: Option<Unit>) -> Result<RulesFile, LoadError> {
-    let sets: Vec<ClashSet> = serde_json::from_str(text).map_err(|error| {
-        LoadError::syntax("clash sets of IfcClash", error.to_string().as_bytes()).at(Place::Line(error.line() as u64))
-    })?;
+    let sets: Vec<ClashSet> = serde_json::from_str(text)
+        .map_err(|error| LoadError::refused("clash sets of IfcClash", &error).at(Place::Line(error.line() as u64)))?;
     let mut read = RulesFile::default();
     for (number, clash_set) in sets.into_iter().enumerate() {
         let ClashSet { name, a, b, mode, tolerance, clearance } = clash_set;

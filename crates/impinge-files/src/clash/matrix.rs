@@ -33,7 +33,7 @@ pub(super) fn read(text: &str, unit: Option<Unit>) -> Result<RulesFile, LoadErro
     for record in reader.records() {
         let record = record.map_err(|error| {
             let place = error.position().map(|position| Place::Line(position.line()));
-            place.into_iter().fold(LoadError::syntax("a CSV matrix", error.to_string().as_bytes()), LoadError::at)
+            place.into_iter().fold(LoadError::refused("a CSV matrix", &error), LoadError::at)
         })?;
         let line = record.position().map_or(1, csv::Position::line);
         let in_line = |error: LoadError| error.at(Place::Line(line));

@@ -70,7 +70,7 @@ pub fn load_previous(path: impl AsRef<Path>, unit: Option<Unit>, limits: &Limits
 /// Returns an error as [`load_previous`] does; the path of the error is empty.
 pub fn parse_previous(bytes: &[u8], unit: Option<Unit>) -> Result<Previous, LoadError> {
     let file: File = serde_json::from_slice(bytes).map_err(|error| {
-        LoadError::syntax("a report of impinge clash", error.to_string().as_bytes())
+        LoadError::refused("a report that --json or --bcf of impinge clash wrote", &error)
             .at(Place::Line(error.line() as u64))
     })?;
     if file.schema != SCHEMA {

@@ -119,7 +119,7 @@ struct AcceptTable {
 pub(super) fn read(text: &str, unit: Option<Unit>) -> Result<RulesFile, LoadError> {
     let file: File = toml::from_str(text).map_err(|error| {
         let place = error.span().map(|span| line_of(text, span.start));
-        let error = LoadError::syntax("rules in TOML", error.message().as_bytes());
+        let error = LoadError::refused("rules in TOML", &error.message());
         place.into_iter().fold(error, LoadError::at)
     })?;
     let mut read = RulesFile::default();

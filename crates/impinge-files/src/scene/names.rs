@@ -46,7 +46,7 @@ impl Names {
 
     fn parse(bytes: &[u8]) -> Result<Self, LoadError> {
         let file: File = serde_json::from_slice(without_bom(bytes)).map_err(|e| {
-            let error = LoadError::syntax("a JSON object with a list of elements", e.to_string().as_bytes());
+            let error = LoadError::refused("a JSON object with a list of elements", &e);
             error.at(Place::Line(e.line() as u64))
         })?;
         let mut names = Self::default();
