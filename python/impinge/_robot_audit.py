@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from impinge._robot_arguments import known
 from impinge._scalars import path_of
 
-FINDINGS = ("adjacent", "proved_never", "witness", "always", "open")
-
 Finding = Literal["adjacent", "proved_never", "witness", "always", "open"]
+
+FINDINGS: tuple[Finding, ...] = ("adjacent", "proved_never", "witness", "always", "open")
 
 
 class RobotAudit:
