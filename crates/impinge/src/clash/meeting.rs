@@ -24,11 +24,17 @@ impl Meeting {
         } else {
             unit(&sub(&in_b.foot, point)).map(|way| scale(&way, -1.0))
         };
-        Self { faces: Some([in_a.face, in_b.face]), normal: way_out }
+        Self { faces: Some([in_a.face, in_b.face]), normal: way_out.map(without_negative_zero) }
     }
 
     /// Returns how two things face each other across their distance.
     pub(super) fn across(witness: &Witness) -> Self {
-        Self { faces: witness.faces, normal: unit(&sub(&witness.point_b, &witness.point_a)) }
+        let across = unit(&sub(&witness.point_b, &witness.point_a));
+        Self { faces: witness.faces, normal: across.map(without_negative_zero) }
     }
+}
+
+/// Returns a vector whose zeros are positive, as people read them.
+fn without_negative_zero(vector: [f64; 3]) -> [f64; 3] {
+    vector.map(|x| x + 0.0)
 }
