@@ -223,6 +223,13 @@ fn simplest_between([low, high]: [f64; 2]) -> f64 {
     }
 }
 
+/// The subjects whose distances are computed at a time, wherever that leads.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Exact {
+    All,
+    One(usize),
+}
+
 /// The search for the first contact of a motion.
 struct Search {
     ends: [Vec<f64>; 2],
@@ -246,12 +253,16 @@ impl Search {
         let track = |subject| Track { subject, open: vec![[0.0, 1.0]], half: 0.0, trend: 1.0 };
         self.tracks = scan.subjects().into_iter().map(track).collect();
         if !self.tracks.is_empty() {
-            self.examine(scan, state, 0.0, None, budget);
+            self.examine(scan, state, 0.0, Exact::All, budget);
         }
         let mut steps = 0;
         while let Some((chosen, [low, high])) = self.first_open() {
             let is_near_hit = self.hit.as_ref().is_some_and(|(time, _)| time - low <= MAX_CONTACT_LENGTH);
-            if is_near_hit || (self.gap.is_some() && self.hit.is_some()) {
+            if is_near_hit {
+                return;
+            }
+            if let (Some(gap), Some(_)) = (self.gap, &self.hit) {
+                self.approach_contact(scan, state, gap, budget);
                 return;
             }
             steps += 1;
@@ -267,7 +278,23 @@ impl Search {
                 continue;
             }
             let time = track.next_time([low, high]);
-            self.examine(scan, state, time, Some(chosen), budget);
+            self.examine(scan, state, time, Exact::One(chosen), budget);
+        }
+    }
+
+    /// Looks for an earlier contact than the one that was found, by halving the time since `gap`,
+    /// where nothing could be proved.
+    fn approach_contact(&mut self, scan: &Scan<'_>, state: &mut State, gap: f64, budget: &Budget<'_>) {
+        let mut low = gap;
+        while let Some((hit, _)) = self.hit
+            && hit - low > MAX_CONTACT_LENGTH
+            && !budget.is_spent()
+        {
+            let middle = 0.5 * (low + hit);
+            self.examine(scan, state, middle, Exact::All, budget);
+            if self.hit.as_ref().is_some_and(|(time, _)| *time == hit) {
+                low = middle;
+            }
         }
     }
 
@@ -278,13 +305,13 @@ impl Search {
     }
 
     /// Examines a time for all subjects that are open there. Distances of shapes are computed for
-    /// the chosen one, and for those that are open on both sides for a while. At the start all are.
-    fn examine(&mut self, scan: &Scan<'_>, state: &mut State, time: f64, chosen: Option<usize>, budget: &Budget<'_>) {
+    /// `exact`, and for those that are open on both sides for a while.
+    fn examine(&mut self, scan: &Scan<'_>, state: &mut State, time: f64, exact: Exact, budget: &Budget<'_>) {
         scan.move_to(state, time);
         for (at, track) in self.tracks.iter_mut().enumerate() {
             let Some([low, high]) = track.around(time) else { continue };
             let (before, after) = (time - low, high - time);
-            let is_exact = time == 0.0 || chosen == Some(at) || 4.0 * before.min(after) >= high - low;
+            let is_exact = exact == Exact::All || exact == Exact::One(at) || 4.0 * before.min(after) >= high - low;
             let wish = Wish { half: before.max(after), is_exact };
             match scan.examine(state, track.subject, wish, budget) {
                 Answer::Free(half) => {
@@ -294,7 +321,7 @@ impl Search {
                             rows.push(CertificateRow { link, other: pair.map(|(_, other)| other), time, half });
                         }
                         track.free([time - half, time + half]);
-                    } else if chosen == Some(at) {
+                    } else if exact == Exact::One(at) {
                         // Nothing is known: both sides are examined.
                         track.free([time, time]);
                     }
