@@ -32,7 +32,7 @@ class ClashPairs(Call):
 
     def __init__(
         self,
-        scenes: Sequence[Scene],
+        scenes: list[Scene],
         unit_and_up: tuple[str | None, str],
         lengths: Any,
         flags: tuple[bool, bool, bool],
