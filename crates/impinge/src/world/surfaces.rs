@@ -1,5 +1,5 @@
 //! Surfaces of several bodies: static bodies that lie side by side, such as the tiles of a floor,
-//! and are one surface for whatever slides over them.
+//! and are one surface for all that slides over them.
 //!
 //! The contacts of a moving body with all bodies of one surface are found together, by the rules
 //! for the parts of a compound (`query/shapes/seams.rs`). So the contacts of a pair depend on the

@@ -50,7 +50,8 @@ pub(super) struct Side<'m> {
     /// Boxes about the holes of an open mesh. A cell that no face and none of these boxes reaches
     /// is on one side of the solid (docs/notes/proof.md, L19a).
     holes: Vec<[Vector; 2]>,
-    border: Border,
+    /// The border, if a hole is near.
+    border: Option<Border>,
 }
 
 impl<'m> Side<'m> {
@@ -80,7 +81,7 @@ impl<'m> Side<'m> {
         let placement = Placement::new(&placed.world_from_mesh, &Pose::IDENTITY);
         let faces = near.found.into_iter().map(|(_, face)| face).collect();
         let holes = holes_near(&placed, &origin, (bounds, margin));
-        let border = Border::new(&placed, &origin);
+        let border = (!holes.is_empty()).then(|| Border::new(&placed, &origin));
         Self { placed, placement, origin, faces, facet_of, facets, holes, border }
     }
 
@@ -140,7 +141,7 @@ impl<'m> Side<'m> {
     /// Returns whether all points within a radius are inside the solid, if no face crosses the
     /// straight way to them from the point in the middle. Returns `None` if that is not decided.
     pub(super) fn is_inside_around(&self, point: &Vector, radius: f64) -> Option<bool> {
-        let variation = self.border.variation(point, radius);
+        let variation = self.border.as_ref()?.variation(point, radius);
         // Winding numbers from 0 to 1 are no farther than that from 1/2.
         if variation >= 0.5 {
             return None;
