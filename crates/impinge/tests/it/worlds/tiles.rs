@@ -176,8 +176,8 @@ fn manifolds_of(world: &World) -> BTreeMap<PairKey, Vec<Manifold>> {
     world.pairs().map(|pair| (pair.key, pair.manifolds.to_vec())).collect()
 }
 
-/// Checks that the contacts with a surface follow from the bodies as they are, after any change
-/// before and in which step.
+/// Checks that the contacts with a surface follow from the bodies as they are, after changes in any
+/// step.
 #[test]
 fn contacts_with_a_surface_do_not_depend_on_what_changed_before() {
     let mut differences = 0;
