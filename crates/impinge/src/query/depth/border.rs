@@ -34,6 +34,9 @@ const ROUNDING: f64 = 1.0 + 1.0 / (1_u64 << 24) as f64;
 /// nothing is known.
 const NEAR: f64 = 1.0 / 1024.0;
 
+/// Cost of the rays of a winding number, in edges of the border.
+const RAYS: usize = 64;
+
 impl Border {
     /// Returns the border of a mesh. `origin` is that of the frame of the search.
     pub(super) fn new(placed: &PlacedMesh<'_>, origin: &Vector) -> Self {
@@ -49,6 +52,11 @@ impl Border {
             Edge { from, way, length: length(&way), times: f64::from(edge.times.unsigned_abs()) }
         });
         Self { edges: edges.collect(), is_long }
+    }
+
+    /// Returns the cost of a winding number in edges. Rays cost as much as some edges.
+    pub(super) fn cost(&self) -> usize {
+        if self.is_long { WindingNumber::MAX_BORDER_EDGES } else { self.edges.len().max(RAYS) }
     }
 
     /// Returns a bound of the difference between the winding numbers of a point and of any point

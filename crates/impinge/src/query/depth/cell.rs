@@ -10,6 +10,8 @@
 //!
 //! Guarded by `tests/it/clash/cases.rs`, and by unit tests below.
 
+use smallvec::SmallVec;
+
 use crate::math::vec3::{Vector, add, cross, dot, scale, squared_distance, sub};
 
 /// A half-space: the points whose product with the normal is at most the height.
@@ -35,6 +37,9 @@ pub(super) struct Cell {
     /// The planes. Those without corners are out of use.
     planes: Vec<Plane>,
 }
+
+/// A part of a triangle. Most have few corners, which need no allocation.
+pub(super) type Polygon = SmallVec<[Vector; 9]>;
 
 /// How a triangle lies across the planes of a cell.
 struct Across {
@@ -201,8 +206,8 @@ impl Cell {
 
     /// Returns the part of a triangle inside the cell, grown by a margin. It is empty if the
     /// triangle does not reach the grown cell.
-    pub(super) fn clip(&self, triangle: &[Vector; 3], margin: f64) -> Vec<Vector> {
-        self.across(triangle, margin).map_or_else(Vec::new, |across| self.clip_by(across.planes, triangle, margin))
+    pub(super) fn clip(&self, triangle: &[Vector; 3], margin: f64) -> Polygon {
+        self.across(triangle, margin).map_or_else(Polygon::new, |across| self.clip_by(across.planes, triangle, margin))
     }
 
     /// Reports whether a triangle reaches the cell, grown by a margin.
@@ -230,9 +235,9 @@ impl Cell {
     }
 
     /// Returns the part of a triangle inside some of the planes, moved outward by a margin.
-    fn clip_by(&self, planes: u128, triangle: &[Vector; 3], margin: f64) -> Vec<Vector> {
-        let mut polygon = triangle.to_vec();
-        let (mut clipped, mut beyond) = (Vec::with_capacity(8), Vec::with_capacity(8));
+    fn clip_by(&self, planes: u128, triangle: &[Vector; 3], margin: f64) -> Polygon {
+        let mut polygon = Polygon::from_slice(triangle);
+        let (mut clipped, mut beyond) = (Polygon::new(), SmallVec::<[f64; 9]>::new());
         for (_, plane) in self.planes.iter().enumerate().filter(|(at, _)| planes >> at & 1 == 1) {
             beyond.clear();
             beyond.extend(polygon.iter().map(|point| plane.beyond(point) - margin));
@@ -240,7 +245,7 @@ impl Cell {
                 continue;
             }
             if beyond.iter().all(|&x| x > 0.0) {
-                return Vec::new();
+                return Polygon::new();
             }
             clipped.clear();
             for at in 0..polygon.len() {

@@ -1,6 +1,6 @@
 //! A face in the frame of the search for a depth, and the boxes of this frame.
 
-use super::cell::{Cell, Plane};
+use super::cell::{Cell, Plane, Polygon};
 use crate::math::Pose;
 use crate::math::vec3::{Vector, add, cross, dot, length, scale, sub, unit};
 use crate::mesh::PlacedMesh;
@@ -100,7 +100,7 @@ pub(super) fn largest_in<'f, T>(
     cell: &Cell,
     faces: impl Iterator<Item = (T, &'f Face)>,
     margin: f64,
-) -> Option<(T, Vec<Vector>)> {
+) -> Option<(T, Polygon)> {
     let (mut largest, mut best) = (-1.0, None);
     // A part is no larger than its face.
     for (name, face) in faces {

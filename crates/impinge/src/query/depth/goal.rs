@@ -9,14 +9,14 @@ pub(crate) struct Effort {
     pub(crate) relative_width: f64,
     /// Number of cells after which a search ends.
     pub(crate) cells: usize,
-    /// Number of winding numbers near holes after which a search ends.
-    pub(crate) samples: usize,
+    /// Number of edges of borders that winding numbers near holes sum up until a search ends.
+    pub(crate) border_edges: usize,
 }
 
 impl Effort {
     /// The effort of a question about one pair. It bounds the work to about a tenth of a second, or
     /// a second if faces by the thousand are near each other.
-    pub(crate) const FULL: Self = Self { relative_width: 1.0 / 1024.0, cells: 1 << 14, samples: 1 << 12 };
+    pub(crate) const FULL: Self = Self { relative_width: 1.0 / 1024.0, cells: 1 << 14, border_edges: 1 << 21 };
 }
 
 /// The points whose depth is searched, and how far.

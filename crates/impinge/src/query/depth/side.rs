@@ -14,6 +14,11 @@ use crate::mesh::{Containment, FaceSearch, PlacedMesh, PointClassifier};
 /// Number of distances at which points around a point are compared with an open solid.
 const RADII: usize = 8;
 
+/// Number of faces of a solid up to which its corners are compared with the facets of another, and
+/// number of those facets.
+const MAX_FACES: usize = 4096;
+const MAX_SUPPORTING: usize = 256;
+
 /// Directions to the corners and the middles of the sides of a cube, of length 1.
 const AROUND: [Vector; 14] = {
     const S: f64 = 0.577_350_269_189_625_7;
@@ -52,6 +57,8 @@ pub(super) struct Side<'m> {
     holes: Vec<[Vector; 2]>,
     /// The border, if a hole is near.
     border: Option<Border>,
+    /// Number of edges of the border that winding numbers near holes have summed up so far.
+    summed: std::cell::Cell<usize>,
 }
 
 impl<'m> Side<'m> {
@@ -82,12 +89,33 @@ impl<'m> Side<'m> {
         let faces = near.found.into_iter().map(|(_, face)| face).collect();
         let holes = holes_near(&placed, &origin, (bounds, margin));
         let border = (!holes.is_empty()).then(|| Border::new(&placed, &origin));
-        Self { placed, placement, origin, faces, facet_of, facets, holes, border }
+        Self { placed, placement, origin, faces, facet_of, facets, holes, border, summed: Default::default() }
     }
 
     /// Returns the facet of a face that supports the solid.
     pub(super) fn supporting(&self, face: u32) -> Option<&Facet> {
         self.facets.get(self.facet_of[face as usize] as usize).filter(|facet| facet.supports())
+    }
+
+    /// Returns the length of the shortest way along the normal of a facet that takes another solid
+    /// out of this one, if it is at most `longest`. Large meshes are not compared.
+    pub(super) fn way_out_along_facet(&self, other: &Self, longest: f64) -> Option<f64> {
+        let faces = other.placed.mesh.faces().as_flattened();
+        let supporting = self.facets.iter().filter(|facet| facet.supports());
+        if faces.len() > 3 * MAX_FACES || supporting.clone().count() > MAX_SUPPORTING {
+            return None;
+        }
+        let place = |&vertex: &u32| {
+            let local = other.placed.mesh.positions().get(vertex as usize);
+            sub(&other.placed.world_from_mesh.apply(local), &self.origin)
+        };
+        let way_out = |facet: &Facet| {
+            faces.iter().map(place).try_fold(f64::NEG_INFINITY, |way, corner| {
+                let way = way.max(facet.way_out(&corner));
+                (way <= longest).then_some(way)
+            })
+        };
+        supporting.filter_map(way_out).min_by(f64::total_cmp)
     }
 
     /// Returns the facet with the least bound of the ways out of a cell, among those that support
@@ -107,8 +135,9 @@ impl<'m> Side<'m> {
 
     /// Returns how far a point is inside the solid, given the distance of the nearest face: less
     /// near a hole, through which the solid ends without a face. There the distances of some points
-    /// outside are compared. An open solid ends at the planes that support it, too.
-    pub(super) fn distance_from_outside(&self, point: &Vector, to_faces: f64) -> f64 {
+    /// outside are compared. An open solid ends at the planes that support it, too. A distance that
+    /// is not above `least` may be returned as zero.
+    pub(super) fn distance_from_outside(&self, point: &Vector, to_faces: f64, least: f64) -> f64 {
         let to_faces = if self.placed.mesh.is_closed() {
             to_faces
         } else {
@@ -123,14 +152,27 @@ impl<'m> Side<'m> {
             let at = |way: &Vector| add(point, &scale(way, radius));
             AROUND.iter().any(|way| self.containment(&at(way)) == Containment::Outside)
         };
-        let outermost =
-            (1..=RADII).map(|step| to_faces * step as f64 / RADII as f64).take_while(|&radius| !is_out(radius));
-        outermost.last().unwrap_or(0.0)
+        let radii = || (1..=RADII).map(|step| to_faces * step as f64 / RADII as f64);
+        // Most points are not deeper than the best so far, and one radius shows that.
+        if radii().find(|&radius| radius > least).is_none_or(is_out) {
+            return 0.0;
+        }
+        radii().take_while(|&radius| !is_out(radius)).last().unwrap_or(0.0)
+    }
+
+    /// Returns the number of edges of the border that winding numbers near holes have summed up.
+    pub(super) fn summed(&self) -> usize {
+        self.summed.get()
+    }
+
+    fn count_border(&self) {
+        self.summed.set(self.summed.get() + self.border.as_ref().map_or(0, Border::cost));
     }
 
     /// Returns the position of a point of the search relative to the solid. The point is rounded to
     /// the world's numbers.
     pub(super) fn containment(&self, point: &Vector) -> Containment {
+        self.count_border();
         PointClassifier::new(self.placed.mesh).containment(&self.posed(point))
     }
 
@@ -146,6 +188,7 @@ impl<'m> Side<'m> {
         if variation >= 0.5 {
             return None;
         }
+        self.count_border();
         let number = PointClassifier::new(self.placed.mesh).winding_number(&self.posed(point));
         let [lower, upper] = [number.lower - variation, number.upper + variation];
         if lower > 0.5 || upper < -0.5 { Some(true) } else { (lower >= -0.5 && upper <= 0.5).then_some(false) }

@@ -35,8 +35,21 @@ impl Site<'_> {
         common_volume(&self.sides, &self.bounds, self.slack, budget)
     }
 
+    /// Returns the answer if some way along the normal of a facet takes one solid out of the other,
+    /// and is no longer than the threshold.
+    fn apart_along_facet(&self, goal: &Goal) -> Option<Found> {
+        let threshold = goal.threshold.filter(|_| !goal.outside_first)?;
+        let [a, b] = &self.sides;
+        let longest = threshold - 2.0 * self.slack;
+        let way_out = a.way_out_along_facet(b, longest).or_else(|| b.way_out_along_facet(a, longest))?;
+        Some(Found { upper: way_out.max(0.0) + 2.0 * self.slack, resolution: 16.0 * self.slack, ..NOTHING })
+    }
+
     /// Searches a goal, from a point in the world whose depth is known.
     fn search(&self, goal: Goal, known: Option<(f64, Vector)>, budget: &Budget<'_>) -> Found {
+        if let Some(found) = self.apart_along_facet(&goal) {
+            return found;
+        }
         let known = known.map(|(depth, point)| (depth, sub(&point, &self.origin)));
         let found = Search::new(&self.sides, goal, (self.slack, self.margin), known).run(&self.bounds, budget);
         Found { point: found.point.map(|point| add(&point, &self.origin)), ..found }

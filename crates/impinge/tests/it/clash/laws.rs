@@ -166,3 +166,26 @@ fn a_larger_tolerance_never_turns_a_contact_into_a_clash() {
     }
     assert!(contacts > 200 && clashes > 200, "{contacts} {clashes}");
 }
+
+#[test]
+fn a_contact_is_as_deep_as_a_block_is_sunk_into_a_turned_face() {
+    const TOLERANCE: f64 = 1.0 / 256.0;
+    let block = |high| mesh(cuboid([0.0; 3], high)).unwrap();
+    let (floor, post) = (block([4.0, 3.0, 0.5]), block([0.25, 0.5, 2.0]));
+    for (axis, angle) in [([1.0, 2.0, 3.0], 0.75), ([1.0, 1.0, 0.0], 2.0), ([3.0, -1.0, 0.5], -0.5)] {
+        let turn = Pose::from_axis_angle(axis, angle, [1.0, 2.0, -3.0]).unwrap();
+        for sunk in [1.0 / 4096.0, 1.0 / 512.0, 1.0 / 300.0] {
+            // No way along an axis of the world is as short as the one out of the floor.
+            let sink = Pose::from_translation([1.5, 1.0, 0.5 - sunk]).unwrap();
+            let mut scene = Scene::new();
+            scene.add("floor", &floor, turn).unwrap();
+            scene.add("post", &post, turn.compose(&sink).unwrap()).unwrap();
+            let options = Options { contacts: true, ..Options::new(TOLERANCE) };
+            let report = find(&[side("scene", &scene)], options, Execution::default()).unwrap();
+            let contact = &report.clashes[0];
+            let [lower, upper] = contact.depth.unwrap();
+            assert_eq!((report.clashes.len(), contact.kind, contact.proved), (1, Kind::Contact, true));
+            assert!(lower <= sunk && sunk <= upper + 1e-12 && upper <= sunk + 1e-9, "{sunk}: {lower} to {upper}");
+        }
+    }
+}

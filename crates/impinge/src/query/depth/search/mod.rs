@@ -12,31 +12,26 @@
 //! So parts with common flat walls need as many cells as faces touch, however large the walls are;
 //! cubes would have to be as small as the depth.
 //!
+//! `witness` finds deep points.
+//!
 //! Proof: docs/notes/proof.md, L42. Guarded by `tests/it/clash/cases.rs`.
+
+mod witness;
 
 use std::collections::BinaryHeap;
 
 use super::cell::{Cell, Plane};
 use super::divide::{Divider, middle};
-use super::face::{gap, largest_in};
-use super::goal::{Effort, Found, Goal};
+use super::face::gap;
+use super::goal::{Found, Goal};
 use super::piece::{Local, Piece};
 use super::side::Side;
 use crate::budget::Budget;
-use crate::math::vec3::{Vector, add, scale, squared_distance, sub};
+use crate::math::vec3::{Vector, add, scale, squared_distance};
 use crate::mesh::Containment;
 
 /// Maximum number of planes of facets by which the first cell is cut.
 const MAX_LIMITS: usize = 24;
-
-/// Distance from a face at which a point in a cell is tried, in units of the slack.
-const OFF_FACE: f64 = 4.0;
-
-/// Share of the way to the center by which a corner of a cell is moved into it.
-const INWARD: f64 = 1.0 / 4096.0;
-
-/// Maximum number of faces in a cell whose parts are compared, to find a point to try.
-const MAX_CLIPPED: usize = 32;
 
 /// Number of facets whose normals are tried as the way out for a cell.
 const MAX_WAYS_OUT: usize = 4;
@@ -46,7 +41,7 @@ const MAX_WAYS_OUT: usize = 4;
 const TIE: f64 = 1.0 / 4096.0;
 
 /// Number of cells with ties that are divided.
-const MAX_TIES: usize = 256;
+const MAX_TIES: usize = 64;
 
 /// Distance up to which faces are near a cell, in units of the threshold. Faces that are farther do
 /// not decide whether a point is deeper.
@@ -66,8 +61,8 @@ pub(super) struct Search<'s, 'm> {
     heap: BinaryHeap<Piece>,
     /// Number of cells so far.
     count: usize,
-    /// Number of winding numbers about points in cells near holes so far.
-    samples: std::cell::Cell<usize>,
+    /// Number of summed edges of borders at which the search ends.
+    last_edge: usize,
 }
 
 impl<'s, 'm> Search<'s, 'm> {
@@ -89,7 +84,7 @@ impl<'s, 'm> Search<'s, 'm> {
             settled: 0.0,
             heap: BinaryHeap::new(),
             count: 0,
-            samples: Default::default(),
+            last_edge: sides.iter().map(Side::summed).sum::<usize>() + goal.effort.border_edges,
         }
     }
 
@@ -115,8 +110,9 @@ impl<'s, 'm> Search<'s, 'm> {
             // The bounds of all cells that are left are about the threshold.
             let is_tie = self.goal.threshold.is_some_and(|threshold| piece.upper <= threshold * (1.0 + TIE));
             ties += usize::from(is_tie);
-            let Effort { cells, samples, .. } = self.goal.effort;
-            if ties > MAX_TIES || self.count > cells || self.samples.get() > samples || budget.is_spent() {
+            let edges: usize = self.sides.iter().map(Side::summed).sum();
+            let is_long = self.count > self.goal.effort.cells || edges > self.last_edge;
+            if ties > MAX_TIES || is_long || budget.is_spent() {
                 self.settled = self.settled.max(piece.upper);
                 break;
             }
@@ -222,18 +218,17 @@ impl<'s, 'm> Search<'s, 'm> {
         if self.sides[side].is_clear_of_holes(bounds) {
             return self.counts(side, &center);
         }
-        self.samples.set(self.samples.get() + 1);
         let radius = cell.corners().map(|corner| squared_distance(&center, corner)).fold(0.0, f64::max).sqrt();
         if let Some(is_inside) = self.sides[side].is_inside_around(&center, radius) {
             return Some(is_inside != (side == 0 && self.goal.outside_first));
         }
         let first = self.counts(side, &center);
         // The winding number is harmonic here, so it is greatest and least on the boundary.
-        let corners: Vec<&Vector> = cell.corners().collect();
-        let pairs = corners.iter().enumerate().flat_map(|(at, a)| corners[at..].iter().map(move |b| (a, b)));
-        self.samples.set(self.samples.get() + corners.len() * corners.len() / 2);
-        let mut middles = pairs.map(|(a, b)| scale(&add(a, b), 0.5));
-        middles.all(|point| self.counts(side, &point) == first).then_some(first).flatten()
+        let corners: Vec<Vector> = cell.corners().copied().collect();
+        let pairs = corners.iter().enumerate().flat_map(|(at, a)| corners[..at].iter().map(move |b| (a, b)));
+        let middles = pairs.map(|(a, b)| scale(&add(a, b), 0.5));
+        let mut points = corners.iter().copied().chain(middles);
+        points.all(|point| self.counts(side, &point) == first).then_some(first).flatten()
     }
 
     /// Returns whether a point is on the side of a solid that counts, or `None` if that is not
@@ -292,60 +287,6 @@ impl<'s, 'm> Search<'s, 'm> {
             let stays = parent.near.iter().any(|&face| own.faces[face as usize].reaches(&moved, self.slack));
             !stays && self.side_of(side, &moved, &moved.bounds_grown(self.slack)) == Some(false)
         })
-    }
-
-    /// Tries some points of a cell as the deepest: its center, the point behind the middle of the
-    /// largest part of a face in it, and the corner with the longest way out.
-    fn try_points(&mut self, piece: &Piece) {
-        let center = piece.cell.center();
-        self.try_point(piece, center);
-        for side in 0..2 {
-            let faces =
-                piece.local[side].touching.iter().take(MAX_CLIPPED).map(|&face| &self.sides[side].faces[face as usize]);
-            let largest = largest_in(&piece.cell, faces.map(|face| (face.normal, face)), 0.0);
-            if let Some((Some(normal), polygon)) = largest.filter(|(_, polygon)| !polygon.is_empty()) {
-                let sum = polygon.iter().fold([0.0; 3], |sum, point| add(&sum, point));
-                // Rounding may put a point of a face on its wrong side.
-                let inward = if self.is_bounded(side) { -OFF_FACE * self.slack } else { OFF_FACE * self.slack };
-                let middle = scale(&sum, 1.0 / polygon.len() as f64);
-                self.try_point(piece, add(&middle, &scale(&normal, inward)));
-            }
-            if self.goal.measured[side]
-                && self.is_bounded(side)
-                && let Some((_, corner)) = self.sides[side].nearest_way_out(&piece.cell, &piece.local[side].facets)
-            {
-                self.try_point(piece, add(&corner, &scale(&sub(&center, &corner), INWARD)));
-            }
-        }
-    }
-
-    /// Records a point, if it is the deepest so far.
-    fn try_point(&mut self, piece: &Piece, point: Vector) {
-        let to_faces = |side: usize| {
-            let nearest = self.sides[side].nearest(&point, &piece.local[side].near);
-            let range = if self.goal.threshold.is_some() { RANGE * self.target() } else { self.margin };
-            nearest.map_or(range, |(squared, ..)| squared.sqrt().min(range)) - self.slack
-        };
-        let measured = (0..2).filter(|&side| self.goal.measured[side]);
-        let distances: Vec<(usize, f64)> = measured.map(|side| (side, to_faces(side))).collect();
-        let is_deeper = |(_, distance): &&(usize, f64)| *distance > self.found.lower;
-        if !distances.iter().any(|distance| is_deeper(&distance)) {
-            return;
-        }
-        for side in 0..2 {
-            if !piece.local[side].is_inside && self.counts(side, &point) != Some(true) {
-                return;
-            }
-        }
-        let depths = distances.iter().filter(is_deeper).map(|&(side, distance)| {
-            if self.is_bounded(side) { self.sides[side].distance_from_outside(&point, distance) } else { distance }
-        });
-        let deepest = depths.fold(0.0, f64::max);
-        if deepest <= self.found.lower {
-            return;
-        }
-        self.found.lower = deepest;
-        self.found.point = Some(point);
     }
 
     /// Divides a cell, and adds its parts.
