@@ -1,5 +1,6 @@
 //! What people hand on: pictures and BCF files. BCF files are also read back.
 
+use std::collections::HashSet;
 use std::path::Path;
 use std::time::UNIX_EPOCH;
 
@@ -12,8 +13,9 @@ use super::scenes::Loaded;
 use super::{Arguments, BcfVersionArgument};
 use crate::check::timed;
 use crate::failure::Failure;
-use crate::output;
+use crate::numerals::counted;
 use crate::progress::Bar;
+use crate::{console, output};
 
 /// Maximum number of pictures. More take minutes, and nobody looks at them.
 const MAX_PICTURES: usize = 100;
@@ -28,6 +30,13 @@ pub(super) struct HandedOver {
     pub(super) pictures: Option<[usize; 2]>,
     /// Number of topics in the BCF file.
     pub(super) topics: Option<usize>,
+}
+
+impl HandedOver {
+    /// Reports whether a file with pictures was written.
+    pub(super) fn is_any(self) -> bool {
+        self.pictures.is_some() || self.topics.is_some()
+    }
 }
 
 /// Validates the folder of the pictures: it exists, or its parent does.
@@ -100,17 +109,30 @@ fn write_pictures(folder: &Path, gallery: &Gallery<'_>, report: &Report) -> Resu
     let sets = report.duplicates.iter().map(|set| (&set.id, gallery.duplicates(set)));
     let all = worst.len() + report.duplicates.len();
     let bar = Bar::begin("drawing", all.min(MAX_PICTURES) as u64);
-    let mut written = 0;
+    let mut written = HashSet::new();
     let views: &mut dyn Iterator<Item = (&String, Option<View<'_>>)> = &mut clashes.chain(sets);
     for (id, view) in views.take(MAX_PICTURES) {
         if let Some(view) = view {
             let picture = view.draw();
-            output::write(&folder.join(format!("{id}.png")), |out| out.write_all(&picture.png()?))?;
-            written += 1;
+            let name = format!("{id}.png");
+            output::write(&folder.join(&name), |out| out.write_all(&picture.png()?))?;
+            written.insert(name);
         }
         bar.advance_by(1);
     }
-    Ok([written, all])
+    let others = other_pictures(folder, &written);
+    if others > 0 {
+        let folder = folder.display();
+        console::note(&format!("{folder} has {} that this report did not write", counted(others, "other picture")));
+    }
+    Ok([written.len(), all])
+}
+
+/// Returns the number of pictures in a folder that do not have one of the names.
+fn other_pictures(folder: &Path, names: &HashSet<String>) -> usize {
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let names_of_files = files.map(|file| file.file_name().to_string_lossy().into_owned());
+    names_of_files.filter(|name| name.ends_with(".png") && !names.contains(name)).count()
 }
 
 /// Returns the date of a report: that of the newest scene, so that the same files give the same

@@ -1,6 +1,7 @@
 //! `impinge clash`: finds the parts of scenes that run into each other.
 
 mod handover;
+mod notes;
 mod report;
 mod scenes;
 
@@ -50,7 +51,7 @@ pub(crate) struct Arguments {
     /// Compare only parts of different scenes
     #[arg(long)]
     between: bool,
-    /// Depth up to which parts may overlap
+    /// Depth up to which parts may overlap, unless their rule has a tolerance of its own
     ///
     /// By default it is 0.1 mm, or a millionth of the size of the scenes if they state no unit. It
     /// is at least 16 units in the last place of the largest f32 coordinate.
@@ -158,6 +159,8 @@ struct Outcome<'r> {
 struct Seconds {
     load: f64,
     search: f64,
+    /// Duration of drawing pictures and BCF files, which have pictures.
+    draw: Option<f64>,
 }
 
 /// Finds the clashes, prints the report and writes the requested files.
@@ -199,11 +202,15 @@ fn answer(arguments: &Arguments) -> Result<Verdict, Failure> {
     let rules = arguments.with_sag(rules_file.as_ref(), &asked, accepts);
     let (report, search) = timed_search(&sides, &options(arguments, &asked, rules.as_ref(), previous.as_ref()));
     let report = report.map_err(|error| failure(&error, arguments, rules_file.as_ref()))?;
+    previous.iter().for_each(|previous| notes::on_previous(previous, &asked, unit));
+    rules.iter().for_each(|rules| notes::on_accepts(rules, &report));
     let scenes = loaded.iter().map(Loaded::about).collect();
     let stated = rules.as_ref().filter(|_| rules_file.is_some());
     let about = ReportAbout { unit, scenes, asked, rules: stated };
+    let start = std::time::Instant::now();
     let handed_over = handover::write(arguments, &loaded, &sides, &report, &about)?;
-    let outcome = Outcome { about, report, handed_over, seconds: Seconds { load, search } };
+    let draw = handed_over.is_any().then(|| start.elapsed().as_secs_f64());
+    let outcome = Outcome { about, report, handed_over, seconds: Seconds { load, search, draw } };
     if let Some(path) = &arguments.view {
         let Outcome { about, report, .. } = &outcome;
         let up = handover::up(arguments, &loaded);

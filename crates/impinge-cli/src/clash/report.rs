@@ -6,7 +6,7 @@ use anstyle::{AnsiColor, Style};
 use impinge::clash::{DepthGap, Status};
 use impinge_files::{SceneAbout, escaped, length_text};
 
-use super::Outcome;
+use super::{Outcome, Seconds};
 use crate::numerals::{count, counted, length, time};
 
 const STRONG: Style = Style::new().bold();
@@ -28,9 +28,10 @@ pub(super) fn text(outcome: &Outcome<'_>) -> String {
     text += &rules(outcome);
     text += &statuses(outcome);
     text += &files(outcome);
-    let seconds = outcome.seconds;
+    let Seconds { load, search, draw } = outcome.seconds;
+    let draw = draw.map_or(String::new(), |draw| format!(", draw {}", time(draw)));
     // Writing to a String cannot fail.
-    let _ = writeln!(text, "\n{FAINT}time      {FAINT:#}load {}, search {}", time(seconds.load), time(seconds.search));
+    let _ = writeln!(text, "\n{FAINT}time      {FAINT:#}load {}, search {}{draw}", time(load), time(search));
     text
 }
 

@@ -230,6 +230,25 @@ fn statuses_carry_over_from_the_previous_report() {
 }
 
 #[test]
+fn notes_tell_of_another_question_and_of_accepted_clashes_that_are_absent() {
+    let folder = folder();
+    folder.run("clash house.obj --unit m --tolerance 1mm --json=old.json");
+    let notes = |command: &str| folder.run(&format!("clash house.obj --previous old.json {command}")).stderr;
+    // The same lengths in other units.
+    assert_eq!(notes("--unit mm --tolerance 0.1cm"), "");
+    let text = notes("--unit m --tolerance 2mm");
+    assert!(text.contains("the tolerance was 1 mm in the previous report and is 2 mm now"), "{text}");
+    let text = notes("--unit m --tolerance 1mm --clearance 20mm");
+    assert!(text.contains("the clearance was none in the previous report and is 20 mm now"), "{text}");
+    assert!(!text.contains("tolerance"), "{text}");
+
+    let id = json(&folder.run("clash house.obj --json"))["clashes"][0]["id"].clone();
+    folder.write("accept.toml", &format!("[[accept]]\nid = {id}\n\n[[accept]]\nid = \"c-absent\"\n"));
+    let text = folder.run("clash house.obj --accept accept.toml").stderr;
+    assert!(text.contains("the report does not have 1 accepted clash: c-absent"), "{text}");
+}
+
+#[test]
 fn lengths_need_a_unit_that_is_known() {
     let folder = folder();
     let run = folder.run("clash house.obj --tolerance 2mm --json");

@@ -85,8 +85,11 @@ fn each_group_has_a_picture_with_two_colors() {
     }
     let before: Vec<_> = fs::read_dir(folder.path("out")).unwrap().map(|entry| entry.unwrap().path()).collect();
     let bytes: Vec<_> = before.iter().map(|path| fs::read(path).unwrap()).collect();
-    let grouped = run(&folder, "--pictures out");
+    let grouped = folder.run(&format!("{ASKED} --pictures out"));
     assert!(grouped.stdout.contains("\npictures  1\n"), "{}", grouped.stdout);
+    assert!(grouped.stdout.contains(", draw "), "{}", grouped.stdout);
+    // One of the two pictures of the first run is not of this report.
+    assert!(grouped.stderr.contains("has 1 other picture that this report did not write"), "{}", grouped.stderr);
     assert_eq!(before.iter().map(|path| fs::read(path).unwrap()).collect::<Vec<_>>(), bytes, "the same bytes again");
 }
 

@@ -22,9 +22,17 @@ struct File {
     schema: String,
     unit: Option<String>,
     #[serde(default)]
+    asked: Question,
+    #[serde(default)]
     duplicates: Vec<Row>,
     #[serde(default)]
     clashes: Vec<Row>,
+}
+
+#[derive(Default, Deserialize)]
+struct Question {
+    tolerance: Option<f64>,
+    clearance: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -122,5 +130,7 @@ pub fn parse_previous(bytes: &[u8], unit: Option<Unit>) -> Result<Previous, Load
     let sets = file.duplicates.into_iter().map(set);
     let clashes = sets.collect::<Result<Vec<_>, LoadError>>()?;
     let rest = file.clashes.into_iter().map(known).collect::<Result<Vec<_>, LoadError>>()?;
-    Ok(Previous { clashes: [clashes, rest].concat() })
+    let Question { tolerance, clearance } = file.asked;
+    let [tolerance, clearance] = [tolerance, clearance].map(|bound| bound.map(length).transpose());
+    Ok(Previous { clashes: [clashes, rest].concat(), tolerance: tolerance?, clearance: clearance? })
 }

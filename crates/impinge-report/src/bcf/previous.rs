@@ -100,7 +100,7 @@ pub fn parse_previous_bcf(bytes: &[u8], unit: Unit) -> Result<Previous, BcfError
         }
         clashes.extend(known);
     }
-    if topics == 0 { Err(BcfError::NoTopics) } else { Ok(Previous { clashes }) }
+    if topics == 0 { Err(BcfError::NoTopics) } else { Ok(Previous { clashes, ..Previous::default() }) }
 }
 
 /// Returns the status and the description of the topic of a markup.

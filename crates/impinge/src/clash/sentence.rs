@@ -66,7 +66,7 @@ impl Group {
             Shared::Part(_) if count == 1 => worst,
             Shared::Part(part) => format!("{} meets {count} parts; the worst: {worst}", part.in_words()),
             Shared::Types(types) => {
-                let [a, b] = types.each_ref().map(|kind| noun(kind));
+                let [a, b] = types.each_ref().map(|kind| type_in_words(kind));
                 format!("{a} against {b}: {}; the worst: {worst}", pairs(count))
             }
             Shared::Scenes([a, b]) if a == b => format!("inside {a}: {}; the worst: {worst}", pairs(count)),
@@ -91,11 +91,14 @@ fn interval([lower, upper]: [f64; 2], length: &dyn Fn(f64) -> String) -> String 
     }
 }
 
-/// Returns the noun for a type: the type in lower case, with spaces between its words, without the
-/// affixes of IFC.
+/// Returns the noun for a type: the type in words, without the suffix of IFC.
 fn noun(kind: &str) -> String {
+    type_in_words(kind.strip_suffix("StandardCase").unwrap_or(kind))
+}
+
+/// Returns a type in lower case, with spaces between its words, without the prefix of IFC.
+fn type_in_words(kind: &str) -> String {
     let bare = kind.strip_prefix("Ifc").unwrap_or(kind);
-    let bare = bare.strip_suffix("StandardCase").unwrap_or(bare);
     let mut noun = String::new();
     let mut was_lower = false;
     for letter in bare.chars() {
@@ -125,6 +128,8 @@ mod tests {
         for (kind, expected) in cases {
             assert_eq!(noun(kind), expected);
         }
+        // Different types have different words.
+        assert_eq!(type_in_words("IfcWallStandardCase"), "wall standard case");
     }
 
     #[test]

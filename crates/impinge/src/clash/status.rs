@@ -51,6 +51,10 @@ pub struct Known {
 pub struct Previous {
     /// The clashes and the duplicate sets.
     pub clashes: Vec<Known>,
+    /// Tolerance of the search in world units, if the report states it.
+    pub tolerance: Option<f64>,
+    /// Clearance of the search in world units, if there was one.
+    pub clearance: Option<f64>,
 }
 
 /// A clash of the previous report that no longer exists.
@@ -214,7 +218,7 @@ mod tests {
     const TOLERANCE: f64 = 0.1;
 
     fn status(known: &Known, kind: Kind, depth: Option<f64>, gap: Option<f64>) -> Status {
-        let previous = Previous { clashes: vec![known.clone()] };
+        let previous = Previous { clashes: vec![known.clone()], ..Previous::default() };
         let pair = |x: f64| [x, x];
         let current = Current { id: "c-a", kind, depth: depth.map(pair), gap: gap.map(pair), tolerance: TOLERANCE };
         Statuses::new(Some(&previous), &[]).of(&current).status

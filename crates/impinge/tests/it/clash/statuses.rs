@@ -29,7 +29,8 @@ fn previous(report: &Report, status: impl Fn(&str) -> Status) -> Previous {
         let (id, kind) = (set.id.clone(), "duplicate".to_owned());
         Known { id, kind, status: status(&set.id), parts, names, ..Known::default() }
     };
-    Previous { clashes: report.clashes.iter().map(clash).chain(report.duplicates.iter().map(set)).collect() }
+    let clashes = report.clashes.iter().map(clash).chain(report.duplicates.iter().map(set)).collect();
+    Previous { clashes, ..Previous::default() }
 }
 
 fn id_of(report: &Report, a: &str, b: &str) -> String {
