@@ -108,15 +108,14 @@ def clash(
     if flag(between, "between") and len(labeled) < 2:
         message = "compares parts of different scenes, and there is one scene"
         raise InputError(message, kind="option", what="between", hint="pass a mapping of labels to scenes")
-    answer = engine(on).clash(
+    question = (
         [(label, parts_of(scene), list(scene._ignored_places())) for label, scene in labeled.items()],
         (unit_of(labeled), up_of(labeled) if up is None else chosen(up, ("x", "y", "z"), "up")),
         (_length(tolerance, "tolerance"), _length(clearance, "clearance")),
         (flag(between, "between"), flag(contacts, "contacts"), flag(volume, "volume")),
         (_rules(rules), [previous.to_json()] if isinstance(previous, ClashReport) else _path(previous, "previous")),
-        progress,
     )
-    return ClashReport(answer, _date(labeled))
+    return ClashReport(engine(on).clash(question, progress), _date(labeled))
 
 
 def _labeled(scenes: Any) -> dict[str, Scene]:

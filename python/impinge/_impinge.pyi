@@ -490,32 +490,22 @@ class ClashFiles:
     def picture(self, id: str, size: list[int]) -> NDArray[np.uint8] | None: ...
     def bcf(self, version: str, date: int) -> bytes: ...
 
-def clash(
-    scenes: list[tuple[str, list[Any], list[tuple[int, int]]]],
-    unit_and_up: tuple[str | None, str],
-    lengths: tuple[float | str | None, float | str | None],
-    flags: tuple[bool, bool, bool],
-    files: tuple[list[str] | str | None, list[str] | str | None],
-    progress: bool,
-) -> dict[str, Any]: ...
+_ClashQuestion: TypeAlias = tuple[
+    list[tuple[str, list[Any], list[tuple[int, int]]]],
+    tuple[str | None, str],
+    tuple[float | str | None, float | str | None],
+    tuple[bool, bool, bool],
+    tuple[list[str] | str | None, list[str] | str | None],
+]
+
+def clash(question: _ClashQuestion, progress: bool) -> dict[str, Any]: ...
 def clash_candidates(
-    scenes: list[tuple[str, list[Any], list[tuple[int, int]]]],
-    unit_and_up: tuple[str | None, str],
-    lengths: tuple[float | str | None, float | str | None],
-    flags: tuple[bool, bool, bool],
-    files: tuple[list[str] | str | None, list[str] | str | None],
+    question: _ClashQuestion,
 ) -> tuple[NDArray[np.uint32], NDArray[np.float64], NDArray[np.float64]]: ...
 def clash_pairs(
     parts: list[tuple[Any, Any]], pairs: NDArray[np.uint32], asked: NDArray[np.float64], listed: tuple[bool, bool]
 ) -> NDArray[np.float64]: ...
-def clash_report(
-    scenes: list[tuple[str, list[Any], list[tuple[int, int]]]],
-    unit_and_up: tuple[str | None, str],
-    lengths: tuple[float | str | None, float | str | None],
-    flags: tuple[bool, bool, bool],
-    files: tuple[list[str] | str | None, list[str] | str | None],
-    findings: NDArray[np.float64],
-) -> dict[str, Any]: ...
+def clash_report(question: _ClashQuestion, findings: NDArray[np.float64]) -> dict[str, Any]: ...
 def check_scene(
     parts: list[tuple[str, Any, bool, Any]],
     ignored: list[tuple[int, int]],

@@ -51,18 +51,18 @@ pub(crate) enum Source {
     Content([String; 1]),
 }
 
-/// The unit of the scenes, and the axis that points up.
-pub(crate) type UnitAndUp<'a> = (Option<&'a str>, &'a str);
+/// A question as Python passes it: the scenes, their unit and the axis that points up, and so on.
+pub(crate) type Question<'py> = (Vec<Labeled<'py>>, (Option<String>, String), Lengths, Flags, Files);
 
 /// The tolerance and the clearance.
-pub(crate) type Lengths = (Option<LengthOption>, Option<LengthOption>);
+type Lengths = (Option<LengthOption>, Option<LengthOption>);
 
 /// Whether only parts of different scenes are compared, whether contacts are listed, and whether
 /// volumes are computed.
-pub(crate) type Flags = (bool, bool, bool);
+type Flags = (bool, bool, bool);
 
 /// The rules and the previous report.
-pub(crate) type Files = (Option<Source>, Option<Source>);
+type Files = (Option<Source>, Option<Source>);
 
 /// A question about some scenes.
 pub(crate) struct Search {
@@ -96,17 +96,9 @@ type GroupRow = (Vec<String>, Vec<usize>, String);
 
 /// Finds the clashes of some scenes, which have a unit and an axis that points up.
 #[pyfunction]
-pub(crate) fn clash<'py>(
-    py: Python<'py>,
-    scenes: Vec<Labeled<'py>>,
-    unit_and_up: UnitAndUp<'_>,
-    lengths: Lengths,
-    flags: Flags,
-    files: Files,
-    progress: Progress,
-) -> PyResult<Bound<'py, PyAny>> {
+pub(crate) fn clash<'py>(py: Python<'py>, question: Question<'py>, progress: Progress) -> PyResult<Bound<'py, PyAny>> {
     let Progress(progress) = progress;
-    let search = Arc::new(Search::read(py, scenes, unit_and_up, lengths, flags, files)?);
+    let search = Arc::new(Search::read(py, question)?);
     let rows = if progress { count(py, &search)? } else { 0 };
     let asking = Arc::clone(&search);
     let work = move |execution: Execution<'_>| match found(&asking, execution) {
@@ -202,19 +194,10 @@ pub(crate) fn no_unit(py: Python<'_>) -> PyErr {
 
 impl Search {
     /// Reads the question.
-    pub(crate) fn read<'py>(
-        py: Python<'py>,
-        scenes: Vec<Labeled<'py>>,
-        (unit, up): UnitAndUp<'_>,
-        lengths: Lengths,
-        flags: Flags,
-        files: Files,
-    ) -> PyResult<Self> {
-        let unit = unit_of(py, unit)?;
+    pub(crate) fn read<'py>(py: Python<'py>, question: Question<'py>) -> PyResult<Self> {
+        let (scenes, (unit, up), (tolerance, clearance), (between, contacts, volume), (rules, previous)) = question;
+        let unit = unit_of(py, unit.as_deref())?;
         let scenes = scenes.into_iter().map(|labeled| scene(py, labeled)).collect::<PyResult<Vec<_>>>()?;
-        let (tolerance, clearance) = lengths;
-        let (between, contacts, volume) = flags;
-        let (rules, previous) = files;
         let path = |source: &Option<Source>| match source {
             Some(Source::Path(path)) => Some(path.clone()),
             _ => None,
@@ -236,7 +219,7 @@ impl Search {
             previous: previous_path,
             ..Asked::default()
         };
-        Ok(Self { scenes, unit, up: axis(up), tolerance, asked, rules, previous })
+        Ok(Self { scenes, unit, up: axis(&up), tolerance, asked, rules, previous })
     }
 
     pub(crate) fn sides(&self) -> Vec<Side<'_>> {

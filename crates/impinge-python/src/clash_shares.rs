@@ -12,7 +12,7 @@ use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 
 use crate::arrays::row_array;
-use crate::clash::{Files, Flags, Labeled, Lengths, Search, UnitAndUp, written};
+use crate::clash::{Question, Search, written};
 use crate::poses;
 use crate::scene_shares::numbers_of_box;
 use crate::shapes::read_shape;
@@ -25,15 +25,8 @@ const COLUMNS: usize = 17;
 /// Returns the pairs to check, (k, 2), the tolerance and the clearance of each, (k, 2), and the box
 /// between its parts, (k, 6). Parts are numbered through all scenes. What is absent is NaN.
 #[pyfunction]
-pub(crate) fn clash_candidates<'py>(
-    py: Python<'py>,
-    scenes: Vec<Labeled<'py>>,
-    unit_and_up: UnitAndUp<'_>,
-    lengths: Lengths,
-    flags: Flags,
-    files: Files,
-) -> PyResult<Bound<'py, PyAny>> {
-    let search = Arc::new(Search::read(py, scenes, unit_and_up, lengths, flags, files)?);
+pub(crate) fn clash_candidates<'py>(py: Python<'py>, question: Question<'py>) -> PyResult<Bound<'py, PyAny>> {
+    let search = Arc::new(Search::read(py, question)?);
     let asking = Arc::clone(&search);
     let found = workers::run(py, move |budget| {
         let sides = asking.sides();
@@ -99,14 +92,10 @@ pub(crate) fn clash_pairs<'py>(
 #[pyfunction]
 pub(crate) fn clash_report<'py>(
     py: Python<'py>,
-    scenes: Vec<Labeled<'py>>,
-    unit_and_up: UnitAndUp<'_>,
-    lengths: Lengths,
-    flags: Flags,
-    files: Files,
+    question: Question<'py>,
     findings: &Bound<'py, PyArray2<f64>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let search = Arc::new(Search::read(py, scenes, unit_and_up, lengths, flags, files)?);
+    let search = Arc::new(Search::read(py, question)?);
     let findings = findings.readonly();
     let rows: Vec<_> = findings.as_slice()?.as_chunks::<COLUMNS>().0.iter().map(finding_of).collect();
     let asking = Arc::clone(&search);

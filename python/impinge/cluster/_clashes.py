@@ -17,6 +17,10 @@ Scene = tuple[str, list[tuple[str, Any, Any, Any]], list[tuple[int, int]]]
 """Scene as the extension takes it: its label, the name, thing, pose and details of each part, and
 pairs of parts that are ignored."""
 
+ClashQuestion = tuple[list[Scene], tuple[str | None, str], tuple[Any, Any], tuple[bool, bool, bool], tuple[Any, Any]]
+"""Question as the extension takes it: the scenes, their unit and the axis that points up, the
+tolerance and the clearance, the flags, and the rules and the previous report."""
+
 _COLUMNS = 17
 """Number of columns of a finding."""
 
@@ -30,15 +34,9 @@ class ClashPairs(Call):
     function = "clash_pairs"
     what = "pairs"
 
-    def __init__(
-        self,
-        scenes: list[Scene],
-        unit_and_up: tuple[str | None, str],
-        lengths: Any,
-        flags: tuple[bool, bool, bool],
-        files: Any,
-    ) -> None:
-        pairs, asked, boxes = _impinge.clash_candidates(scenes, unit_and_up, lengths, flags, files)
+    def __init__(self, question: ClashQuestion) -> None:
+        scenes, _, _, flags, _ = question
+        pairs, asked, boxes = _impinge.clash_candidates(question)
         parts = [part for _, parts, _ in scenes for part in parts]
         self.names = [name for name, *_ in parts]
         self.parts = snapshots([thing for _, thing, *_ in parts])

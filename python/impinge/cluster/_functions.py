@@ -8,7 +8,7 @@ from typing import Any
 from impinge import _impinge
 from impinge._mesh import Mesh
 from impinge.cluster._calls import Call, ShareCall, VerbCall
-from impinge.cluster._clashes import ClashPairs, Scene
+from impinge.cluster._clashes import ClashPairs, ClashQuestion
 from impinge.cluster._scenes import Part, ScenePairs, SceneRows
 
 
@@ -80,18 +80,10 @@ class Functions:
         call = scene_call(parts, ignored, question, first, on_error)
         return self._answer(call, progress)
 
-    def clash(  # noqa: PLR0917 (the arguments of the extension)
-        self,
-        scenes: list[Scene],
-        unit_and_up: tuple[str | None, str],
-        lengths: tuple[Any, Any],
-        flags: tuple[bool, bool, bool],
-        files: tuple[Any, Any],
-        progress: bool,
-    ) -> Any:
+    def clash(self, question: ClashQuestion, progress: bool) -> Any:
         """Return the report about the clashes of some scenes."""
-        findings = self._answer(ClashPairs(scenes, unit_and_up, lengths, flags, files), progress)
-        return _impinge.clash_report(scenes, unit_and_up, lengths, flags, files, findings)
+        findings = self._answer(ClashPairs(question), progress)
+        return _impinge.clash_report(question, findings)
 
 
 def scene_call(
