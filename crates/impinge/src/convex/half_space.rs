@@ -50,6 +50,40 @@ struct Start {
     point: [f64; 3],
 }
 
+/// Heights of points of a common frame above the plane of a half-space, along its normal.
+pub(super) struct Heights<'p> {
+    pair: &'p Pair<'p>,
+    direction: [f64; 3],
+    /// The direction with length 1.
+    normal: [f64; 3],
+    /// Length of the direction.
+    across: f64,
+    /// Level of the plane along the direction, in the common unit.
+    level: f64,
+    /// Bound on the error of a height, in the common unit.
+    error: f64,
+}
+
+impl Heights<'_> {
+    /// Returns an interval that holds the height of a point of the common frame, in world units.
+    #[inline]
+    pub(super) fn of(&self, point: &[f64; 3]) -> [f64; 2] {
+        let height = (dot(&self.direction, point) - self.level) / self.across;
+        [below(height - self.error) * self.pair.unit, above(height + self.error) * self.pair.unit]
+    }
+
+    /// Returns the contact of a corner of a shape with this radius.
+    pub(super) fn contact(&self, radius: [f64; 2], corner: &Corner) -> Contact {
+        let [low, high] = self.of(&corner.point);
+        let [lower, upper] = [below(radius[0] - high), above(radius[1] - low)];
+        let core = self.pair.world(corner.point);
+        let point: [f64; 3] = std::array::from_fn(|k| core[k] - self.normal[k] * radius[0]);
+        let on_plane = std::array::from_fn(|k| point[k] + self.normal[k] * (0.5 * (lower + upper)));
+        let features = [Feature::Face(0), Feature::Vertex(corner.number)];
+        Contact { points: [on_plane, point], lower, upper, features }
+    }
+}
+
 impl<'a> HalfSpace<'a> {
     /// Builds the image of {v : normal·v ≤ level} under `pose`. The normal must not be zero.
     pub(crate) fn new(normal: [f64; 3], level: f64, pose: &'a Pose) -> Self {
@@ -109,7 +143,7 @@ impl<'a> HalfSpace<'a> {
     fn start(&self, shape: &Swept<'_>) -> Start {
         let pair = self.pair(shape);
         let deepest = pair.b.support(self.direction.map(|x| -x));
-        let [mut lower, mut upper] = self.height(&pair, &deepest.point);
+        let [mut lower, mut upper] = self.heights(&pair).of(&deepest.point);
         if upper - lower > 1e-11 * upper.abs()
             && let Some((least, squared)) = self.least_height(shape)
         {
@@ -130,14 +164,13 @@ impl<'a> HalfSpace<'a> {
         }
     }
 
-    /// Returns an interval that holds the height of a point of the common frame above the plane, in
-    /// world units.
-    pub(super) fn height(&self, pair: &Pair<'_>, point: &[f64; 3]) -> [f64; 2] {
+    /// Returns what the heights of points of a common frame follow from.
+    pub(super) fn heights<'p>(&self, pair: &'p Pair<'p>) -> Heights<'p> {
         let across = length(&self.direction);
-        let height = dot(&self.direction, point) - self.rounded_level / pair.unit;
-        let level_error = 4.0 * UNIT_ROUNDOFF * (self.rounded_level / pair.unit).abs() + f64::MIN_POSITIVE;
+        let level = self.rounded_level / pair.unit;
+        let level_error = 4.0 * UNIT_ROUNDOFF * level.abs() + f64::MIN_POSITIVE;
         let error = (pair.height_error(self.direction) + level_error) / across;
-        [below(height / across - error) * pair.unit, above(height / across + error) * pair.unit]
+        Heights { pair, direction: self.direction, normal: to_unit_length(self.direction), across, level, error }
     }
 
     /// Returns the contacts of a shape with this half-space: the corners of the part that faces the
@@ -145,23 +178,13 @@ impl<'a> HalfSpace<'a> {
     /// always included. The first point of each contact is on the plane.
     pub(crate) fn contacts(&self, shape: &Faceted<'_>, margin: f64) -> Contacts {
         let pair = self.pair(&shape.swept);
-        let normal = to_unit_length(self.direction);
+        let (heights, normal) = (self.heights(&pair), self.unit_normal());
         let facing = facing(&pair.b, shape.facets, normal.map(|x| -x));
-        let contact = |corner: &Corner| self.contact(&pair, shape.swept.radius, corner);
+        let contact = |corner: &Corner| heights.contact(shape.swept.radius, corner);
         let mut contacts: Vec<Contact> = facing.corners.iter().map(contact).collect();
         let deepest = contacts.iter().map(|contact| contact.upper).fold(f64::NEG_INFINITY, f64::max);
         contacts.retain(|contact| contact.upper >= -margin || contact.upper == deepest);
         Contacts { normal, contacts }
-    }
-
-    pub(super) fn contact(&self, pair: &Pair<'_>, radius: [f64; 2], corner: &Corner) -> Contact {
-        let normal = to_unit_length(self.direction);
-        let [low, high] = self.height(pair, &corner.point);
-        let [lower, upper] = [below(radius[0] - high), above(radius[1] - low)];
-        let core = pair.world(corner.point);
-        let point = std::array::from_fn(|k| core[k] - normal[k] * radius[0]);
-        let points = [self.moved(point, 0.5 * (lower + upper)), point];
-        Contact { points, lower, upper, features: [Feature::Face(0), Feature::Vertex(corner.number)] }
     }
 
     /// Returns the common frame in which heights above the plane are computed.

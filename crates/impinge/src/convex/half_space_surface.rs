@@ -5,6 +5,7 @@ use std::ops::ControlFlow::{self, Continue};
 use super::HalfSpace;
 use super::depth::Depth;
 use super::facing::Corner;
+use super::half_space::Heights;
 use super::interval::Separation;
 use super::manifold::Contacts;
 use super::posed::{Core, Pair, Swept};
@@ -80,14 +81,13 @@ impl HalfSpace<'_> {
         let bounds = Swept { core: Core::Points(&corners), pose: surface.pose, radius: [0.0; 2] };
         let pair = self.pair(&bounds);
         let mut vertices = Vec::new();
-        self.faces(surface, margin, |face, _, cut| {
+        self.faces(surface, margin, |face, cut| {
             vertices.extend(mesh.places(face));
             cut
         });
-        vertices.sort_unstable();
-        vertices.dedup();
+        let (heights, vertices) = (self.heights(&pair), distinct(vertices));
         let corner = |number: u32| Corner { number, point: pair.b.spot(mesh.position(number)).point };
-        let contacts = vertices.into_iter().map(|vertex| self.contact(&pair, [0.0; 2], &corner(vertex)));
+        let contacts = vertices.into_iter().map(|vertex| heights.contact([0.0; 2], &corner(vertex)));
         Contacts { contacts: contacts.filter(|contact| contact.upper >= -margin).collect(), ..self.no_contacts() }
     }
 
@@ -96,31 +96,49 @@ impl HalfSpace<'_> {
     }
 
     fn search<F: Faces>(&self, surface: &Surface<'_, F>, cut: f64, mut visit: impl FnMut(&Swept<'_>, f64) -> f64) {
-        self.faces(surface, cut, |_, face, cut| visit(face, cut));
+        self.faces(surface, cut, |face, cut| visit(&surface.face(&surface.mesh.corners(face)), cut));
     }
 
     /// Visits the faces whose lowest point may be below `cut`, a height above the plane in world
     /// units. Each call of `visit` returns the new cut.
-    fn faces<F: Faces>(&self, surface: &Surface<'_, F>, cut: f64, visit: impl FnMut(u32, &Swept<'_>, f64) -> f64) {
+    fn faces<F: Faces>(&self, surface: &Surface<'_, F>, cut: f64, visit: impl FnMut(u32, f64) -> f64) {
         let Some(corners) = surface.mesh.local_bounds().map(corners_of_box) else { return };
         let bounds = Swept { core: Core::Points(&corners), pose: surface.pose, radius: [0.0; 2] };
         let pair = self.pair(&bounds);
-        surface.mesh.search(&mut Lowest { half_space: self, surface, pair: &pair, cut, visit });
+        let heights = self.heights(&pair);
+        surface.mesh.search(&mut Lowest { direction: self.direction(), surface, pair: &pair, heights, cut, visit });
     }
 }
 
+/// Returns numbers in ascending order, each once.
+fn distinct(mut numbers: Vec<u32>) -> Vec<u32> {
+    /// Maximum range of the numbers, as a multiple of their count, for which a table is faster than
+    /// sorting them.
+    const MAX_RANGE: usize = 32;
+    let (Some(&least), Some(&greatest)) = (numbers.iter().min(), numbers.iter().max()) else { return numbers };
+    if ((greatest - least) as usize) < MAX_RANGE * numbers.len() {
+        let mut is_there = vec![false; (greatest - least) as usize + 1];
+        numbers.iter().for_each(|number| is_there[(number - least) as usize] = true);
+        return (least..=greatest).zip(is_there).filter_map(|(number, is_there)| is_there.then_some(number)).collect();
+    }
+    numbers.sort_unstable();
+    numbers.dedup();
+    numbers
+}
+
 struct Lowest<'q, F, V> {
-    half_space: &'q HalfSpace<'q>,
+    direction: [f64; 3],
     surface: &'q Surface<'q, F>,
     pair: &'q Pair<'q>,
+    heights: Heights<'q>,
     cut: f64,
     visit: V,
 }
 
-impl<F: Faces, V: FnMut(u32, &Swept<'_>, f64) -> f64> FaceSearch for Lowest<'_, F, V> {
+impl<F: Faces, V: FnMut(u32, f64) -> f64> FaceSearch for Lowest<'_, F, V> {
     fn bound(&self, center: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
-        let direction = self.half_space.direction();
-        let [lower, _] = self.half_space.height(self.pair, &self.pair.b.spot(*center).point);
+        let direction = self.direction;
+        let [lower, _] = self.heights.of(&self.pair.b.spot(*center).point);
         let linear = self.surface.pose.linear();
         let reach: f64 = (0..3)
             .map(|j| (0..3).map(|k| linear[k][j] * direction[k]).sum::<f64>().abs() * half_extents[j])
@@ -134,8 +152,26 @@ impl<F: Faces, V: FnMut(u32, &Swept<'_>, f64) -> f64> FaceSearch for Lowest<'_, 
     }
 
     fn visit(&mut self, face: u32) -> ControlFlow<()> {
-        let corners = self.surface.mesh.corners(face);
-        self.cut = (self.visit)(face, &self.surface.face(&corners), self.cut);
+        self.cut = (self.visit)(face, self.cut);
         Continue(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use impinge_testkit::generate::Rng;
+
+    #[test]
+    fn dense_and_sparse_numbers_are_distinct_alike() {
+        let mut rng = Rng::new(66);
+        for reach in [0, 3, 100, 3000, 1_000_000] {
+            for count in [0, 1, 2, 50] {
+                let numbers: Vec<u32> = (0..count).map(|_| rng.integer(0, reach) as u32 + 5).collect();
+                let expected: Vec<u32> =
+                    numbers.iter().copied().collect::<std::collections::BTreeSet<u32>>().into_iter().collect();
+                assert_eq!(distinct(numbers), expected);
+            }
+        }
     }
 }

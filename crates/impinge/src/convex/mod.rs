@@ -34,6 +34,7 @@ mod half_space_surface;
 mod interval;
 mod manifold;
 mod min_norm;
+mod near_faces;
 mod overlap;
 mod piece;
 mod posed;

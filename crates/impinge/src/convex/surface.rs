@@ -202,21 +202,34 @@ impl<'p> Beside<'p> {
         self.bounds.map(|[least, greatest]| 0.5 * least + 0.5 * greatest)
     }
 
+    /// Returns the two sets in their common frame.
+    pub(super) fn pair(&self) -> &'p Pair<'p> {
+        self.pair
+    }
+
+    /// Returns the radius of the set, in the common unit.
+    pub(super) fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// Returns a lower bound on the distance, in world units, between the set and the hull of some
-    /// points of the common frame.
-    pub(super) fn gap_of_points(&self, points: &[[f64; 3]]) -> f64 {
-        let gaps = std::array::from_fn(|k| {
-            let ends = |(least, greatest): (f64, f64), point: &[f64; 3]| (least.min(point[k]), greatest.max(point[k]));
-            let (least, greatest) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
-            f64::max(self.bounds[k][0] - greatest, least - self.bounds[k][1])
-        });
-        let mut gap = self.gap_of_boxes(&gaps);
+    /// points of the common frame. `ends` are their least and greatest coordinates on each axis.
+    pub(super) fn gap_of_points(&self, points: &[[f64; 3]], ends: &[[f64; 2]; 3]) -> f64 {
+        let gap = |k: usize| f64::max(self.bounds[k][0] - ends[k][1], ends[k][0] - self.bounds[k][1]);
+        let mut gap = self.gap_of_boxes(&[gap(0), gap(1), gap(2)]);
         if let Some((direction, lowest)) = self.plane.get() {
             let height = points.iter().fold(f64::NEG_INFINITY, |height, point| height.max(dot(&direction, point)));
             gap = gap.max(lowest - height);
         }
         (below(gap) - 8.0 * self.error) * self.pair.unit
     }
+}
+
+/// Returns the least and the greatest coordinate of three points on each axis.
+#[inline]
+pub(super) fn ends_of([p, q, r]: &[[f64; 3]; 3]) -> [[f64; 2]; 3] {
+    let ends = |k: usize| [p[k].min(q[k]).min(r[k]), p[k].max(q[k]).max(r[k])];
+    [ends(0), ends(1), ends(2)]
 }
 
 /// A query about the faces near a set.
@@ -245,7 +258,8 @@ impl<S: Search, F: Faces> FaceSearch for Bounded<'_, '_, S, F> {
 
     fn visit(&mut self, face: u32) -> ControlFlow<()> {
         let corners = self.mesh.corners(face);
-        if self.beside.gap_of_points(&corners.map(|corner| self.beside.pair.a.spot(corner).point)) > self.search.cut() {
+        let points = corners.map(|corner| self.beside.pair.a.spot(corner).point);
+        if self.beside.gap_of_points(&points, &ends_of(&points)) > self.search.cut() {
             return Continue(());
         }
         match self.search.visit(face, &corners) {

@@ -102,7 +102,8 @@ impl Mesh {
     #[inline]
     #[must_use]
     pub fn corners(&self, face: u32) -> Corners {
-        self.0.faces[face as usize].map(|vertex| self.0.vertices.get(vertex as usize))
+        let ([a, b, c], vertices) = (self.0.faces[face as usize], &self.0.vertices);
+        [vertices.get(a as usize), vertices.get(b as usize), vertices.get(c as usize)]
     }
 
     /// Returns the unit normal of a face in the mesh frame, or `None` if the face has no area. It

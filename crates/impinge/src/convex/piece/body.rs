@@ -9,7 +9,7 @@
 
 use super::polytope::{Polytope, named};
 use super::touched::Touched;
-use super::{OrientedFace, Piece};
+use super::{ALL_CORNERS, OrientedFace, Piece};
 use crate::convex::manifold::{Contacts, Faceted, contacts, contacts_along, depth_along};
 use crate::convex::posed::to_unit_length;
 use crate::math::Pose;
@@ -120,7 +120,7 @@ impl PlacedPiece<'_> {
             for &face in mesh.faces_at(first_at[vertex as usize]) {
                 let rises = mesh.corners(face).iter().any(|corner| height(corner) > top + slack);
                 if rises && !self.piece.has(face) {
-                    has_grown |= self.piece.add(OrientedFace { face, is_flipped });
+                    has_grown |= self.piece.add(OrientedFace { face, is_flipped }, ALL_CORNERS).is_some();
                 }
             }
         }

@@ -14,6 +14,7 @@
 //! The tests are in `tests/it/shapes/mesh_contacts.rs`.
 
 mod body;
+mod listed;
 mod polytope;
 mod resolve;
 mod touched;
@@ -24,6 +25,7 @@ use crate::mesh::{Across, Mesh, Positions};
 
 use super::posed::to_unit_length;
 pub(crate) use body::{Body, contacts_of_bodies};
+use listed::Listed;
 pub(crate) use resolve::{Found, unresolved};
 pub(crate) use touched::Touched;
 
@@ -60,13 +62,37 @@ impl Plane {
 }
 
 /// The surface beyond an edge of a face.
+#[derive(Clone, Copy)]
 enum Beyond {
     /// No face: the edge is on the border of the surface.
     Nothing,
     /// One face.
-    Face(OrientedFace),
+    Face(Neighbor),
     /// Several faces, of which none continues the surface.
     Unclear,
+}
+
+/// A face beyond an edge of another face.
+#[derive(Clone, Copy)]
+struct Neighbor {
+    face: OrientedFace,
+    /// Number of the corner that is not on the edge.
+    opposite: usize,
+}
+
+/// All corners of a face.
+const ALL_CORNERS: &[usize] = &[0, 1, 2];
+
+/// Faces in the order in which pieces start with them.
+pub(crate) trait Seeds {
+    /// Returns the next face that is not in a piece yet, or `None` if there is no other face.
+    fn next(&mut self, is_taken: &dyn Fn(u32) -> bool) -> Option<OrientedFace>;
+}
+
+impl<I: Iterator<Item = OrientedFace>> Seeds for I {
+    fn next(&mut self, is_taken: &dyn Fn(u32) -> bool) -> Option<OrientedFace> {
+        self.find(|seed| !is_taken(seed.face))
+    }
 }
 
 /// A group of faces in convex position.
@@ -75,11 +101,9 @@ pub(crate) struct Piece<'m> {
     mesh: &'m Mesh,
     faces: Vec<OrientedFace>,
     planes: Vec<Plane>,
-    /// Number of the plane of each face.
-    plane_of: Vec<u32>,
-    /// Corners of the faces, by the first vertex at each position. A corner of several faces may
-    /// occur more than once.
-    corners: Vec<u32>,
+    /// Corners of the faces, by the first vertex at each position, each with the number of the
+    /// plane of such a face. A corner of several faces may occur more than once.
+    corners: Vec<(u32, u32)>,
     slack: f64,
 }
 
@@ -100,19 +124,22 @@ impl<'m> Piece<'m> {
         (area != [0.0; 3]).then(|| Plane { normal: to_unit_length(area.map(|x| sign * x)), base: p, is_of_face: true })
     }
 
-    /// Adds a face if the piece stays in convex position. Reports whether it was added.
-    fn add(&mut self, face: OrientedFace) -> bool {
-        let Some(own) = self.plane(face) else { return false };
+    /// Adds a face if the piece stays in convex position, and returns the surface beyond its edges.
+    /// Returns `None` if the face was not added. `new_corners` are the numbers of its corners that
+    /// may not be in the piece. The others are known to be below all planes.
+    fn add(&mut self, face: OrientedFace, new_corners: &[usize]) -> Option<[Beyond; 3]> {
+        let own = self.plane(face)?;
         let (corners, slack) = (self.positions(face.face), self.slack);
-        if self.planes.iter().any(|plane| corners.iter().any(|corner| plane.height(corner) > slack)) {
-            return false;
+        if self.planes.iter().any(|plane| new_corners.iter().any(|&at| plane.height(&corners[at]) > slack)) {
+            return None;
         }
         let known = self.planes.iter().position(|plane| plane.holds(&corners, &own.normal, slack));
         let mut new: Vec<Plane> = Vec::new();
         if known.is_none() {
             new.push(own);
         }
-        for (edge, beyond) in beyond(self.mesh, face).into_iter().enumerate() {
+        let surroundings = beyond(self.mesh, face);
+        for (edge, beyond) in surroundings.into_iter().enumerate() {
             let ends = [corners[edge], corners[(edge + 1) % 3]];
             let bound = match beyond {
                 Beyond::Unclear => continue,
@@ -121,12 +148,13 @@ impl<'m> Piece<'m> {
                     let along = sub(&ends[1], &ends[0]).map(|x| sign * x);
                     Plane { normal: to_unit_length(cross(&along, &own.normal)), base: ends[0], is_of_face: false }
                 }
-                Beyond::Face(other) => {
-                    let lowest = self.positions(other.face).iter().map(|corner| own.height(corner)).fold(0.0, f64::min);
-                    match self.plane(other) {
-                        Some(plane) if lowest < -slack => Plane { is_of_face: false, ..plane },
-                        _ => continue,
+                Beyond::Face(Neighbor { face, opposite }) => {
+                    // The corners on the edge are in the plane.
+                    if own.height(&self.positions(face.face)[opposite]) >= -slack {
+                        continue;
                     }
+                    let Some(plane) = self.plane(face) else { continue };
+                    Plane { is_of_face: false, ..plane }
                 }
             };
             let is_known = |plane: &Plane| plane.holds(&ends, &bound.normal, slack) && is_same_direction(plane, &bound);
@@ -137,10 +165,10 @@ impl<'m> Piece<'m> {
         if !new.is_empty() {
             let positions = self.mesh.positions();
             let is_above =
-                |plane: &Plane| self.corners.iter().any(|&at| plane.height(&positions.get(at as usize)) > slack);
+                |plane: &Plane| self.corners.iter().any(|&(at, _)| plane.height(&positions.get(at as usize)) > slack);
             let is_full = self.planes.len() + new.len() > MAX_PLANES && !self.planes.is_empty();
             if is_full || new.iter().any(is_above) {
-                return false;
+                return None;
             }
         }
         let plane = known.unwrap_or(self.planes.len());
@@ -149,10 +177,10 @@ impl<'m> Piece<'m> {
         }
         self.planes.extend(new);
         let first_at = &self.mesh.topology().first_at;
-        self.corners.extend(self.mesh.faces()[face.face as usize].map(|vertex| first_at[vertex as usize]));
-        self.plane_of.push(plane as u32);
+        let vertices = &self.mesh.faces()[face.face as usize];
+        self.corners.extend(new_corners.iter().map(|&at| (first_at[vertices[at] as usize], plane as u32)));
         self.faces.push(face);
-        true
+        Some(surroundings)
     }
 }
 
@@ -163,7 +191,10 @@ fn is_same_direction(one: &Plane, other: &Plane) -> bool {
 /// Returns the surface beyond each edge of a face. Edge k runs from corner k to the next.
 fn beyond(mesh: &Mesh, of: OrientedFace) -> [Beyond; 3] {
     let first_at = &mesh.topology().first_at;
-    let corners = |face: u32| mesh.faces()[face as usize].map(|vertex| first_at[vertex as usize]);
+    let corners = |face: u32| {
+        let [a, b, c] = mesh.faces()[face as usize];
+        [first_at[a as usize], first_at[b as usize], first_at[c as usize]]
+    };
     let (own, across) = (corners(of.face), mesh.across(of.face));
     [0, 1, 2].map(|edge| match across[edge] {
         Across::Nothing => Beyond::Nothing,
@@ -171,80 +202,59 @@ fn beyond(mesh: &Mesh, of: OrientedFace) -> [Beyond; 3] {
         Across::Face(other) => {
             let (from, to, there) = (own[edge], own[(edge + 1) % 3], corners(other));
             let runs_along = (0..3).any(|at| there[at] == from && there[(at + 1) % 3] == to);
-            Beyond::Face(OrientedFace { face: other, is_flipped: of.is_flipped != runs_along })
+            let face = OrientedFace { face: other, is_flipped: of.is_flipped != runs_along };
+            let opposite = (0..3).find(|&at| there[at] != from && there[at] != to).unwrap_or(0);
+            Beyond::Face(Neighbor { face, opposite })
         }
     })
 }
 
-/// Some faces of a mesh, and for each whether it is in a piece already, and flipped there.
-struct Listed {
-    faces: Vec<u32>,
-    is_taken: Vec<bool>,
-    is_flipped: Vec<bool>,
-}
-
-impl Listed {
-    fn new(seeds: &[OrientedFace]) -> Self {
-        let mut faces: Vec<u32> = seeds.iter().map(|seed| seed.face).collect();
-        faces.sort_unstable();
-        let none = vec![false; faces.len()];
-        Self { faces, is_taken: none.clone(), is_flipped: none }
-    }
-
-    fn find(&self, face: u32) -> Option<usize> {
-        self.faces.binary_search(&face).ok()
-    }
-
-    /// Returns whether the face is flipped in its piece, or `None` if it is in no piece.
-    fn flipped_in_piece(&self, face: u32) -> Option<bool> {
-        self.find(face).filter(|&at| self.is_taken[at]).map(|at| self.is_flipped[at])
-    }
-}
-
-/// Divides some faces of a mesh into convex pieces. A piece starts with the first face that is in
-/// no piece yet. A seed beside a face of an earlier piece has the orientation of that face; any
-/// other seed has its given one. Faces without area are in no piece.
+/// Divides some faces of a mesh into convex pieces. A piece starts with the first seed that is in
+/// no piece yet; the seeds must be among the faces. A seed beside a face of an earlier piece has
+/// the orientation of that face; any other seed has its given one. Faces without area are in no
+/// piece.
 ///
 /// # Complexity
 /// O(n) for n faces in a few planes. A face in a new plane takes linear time in its piece, whose
 /// number of planes is limited. If the budget is spent, pieces are missing.
-pub(crate) fn pieces<'m>(mesh: &'m Mesh, seeds: &[OrientedFace], budget: &Budget<'_>) -> Vec<Piece<'m>> {
+pub(crate) fn pieces<'m>(mesh: &'m Mesh, faces: &[u32], mut seeds: impl Seeds, budget: &Budget<'_>) -> Vec<Piece<'m>> {
     /// Number of faces between two looks at the budget: about 100 microseconds.
     const FACES_PER_LOOK: usize = 64;
-    let mut listed = Listed::new(seeds);
-    let slack = slack(mesh, seeds);
+    let mut listed = Listed::new(faces);
+    let slack = slack(mesh, faces);
     let mut found = Vec::new();
-    for &given in seeds {
-        let Some(at) = listed.find(given.face).filter(|&at| !listed.is_taken[at]) else { continue };
+    while listed.has_open()
+        && let Some(given) = seeds.next(&|face| !listed.is_open(face))
+    {
         if budget.is_spent() {
             break;
         }
         let mut seed = given;
         for beyond in beyond(mesh, given) {
-            if let Beyond::Face(other) = beyond
+            if let Beyond::Face(Neighbor { face: other, .. }) = beyond
                 && let Some(is_flipped) = listed.flipped_in_piece(other.face)
             {
                 seed.is_flipped = given.is_flipped != (other.is_flipped != is_flipped);
                 break;
             }
         }
-        let mut piece = Piece { mesh, faces: vec![], planes: vec![], plane_of: vec![], corners: vec![], slack };
-        (listed.is_taken[at], listed.is_flipped[at]) = (true, seed.is_flipped);
-        if !piece.add(seed) {
-            continue;
-        }
+        let mut piece = Piece { mesh, faces: vec![], planes: vec![], corners: vec![], slack };
+        listed.take(seed.face, seed.is_flipped);
+        let Some(surroundings) = piece.add(seed, ALL_CORNERS) else { continue };
+        let mut queue = vec![surroundings];
         let mut next = 0;
-        while let Some(&face) = piece.faces.get(next) {
+        while let Some(&surroundings) = queue.get(next) {
             next += 1;
             if next % FACES_PER_LOOK == 0 && budget.is_spent() {
                 break;
             }
-            for beyond in beyond(mesh, face) {
-                if let Beyond::Face(other) = beyond
-                    && let Some(at) = listed.find(other.face).filter(|&at| !listed.is_taken[at])
-                    && piece.add(other)
+            for beyond in surroundings {
+                if let Beyond::Face(Neighbor { face: other, opposite }) = beyond
+                    && listed.is_open(other.face)
+                    && let Some(surroundings) = piece.add(other, &[opposite])
                 {
-                    (listed.is_taken[at], listed.is_flipped[at]) = (true, other.is_flipped);
+                    listed.take(other.face, other.is_flipped);
+                    queue.push(surroundings);
                 }
             }
         }
@@ -255,12 +265,12 @@ pub(crate) fn pieces<'m>(mesh: &'m Mesh, seeds: &[OrientedFace], budget: &Budget
 
 /// Returns the height above a plane up to which a corner counts as in it. It is larger than the
 /// rounding of the coordinates.
-fn slack(mesh: &Mesh, faces: &[OrientedFace]) -> f64 {
+fn slack(mesh: &Mesh, faces: &[u32]) -> f64 {
     /// Part of the size of the faces: 2^-32. Less would cut rounded planes into pieces. More would
     /// take low steps for flat.
     const OF_SIZE: f64 = 1.0 / (1_u64 << 32) as f64;
     let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-    for corner in faces.iter().flat_map(|face| mesh.corners(face.face)) {
+    for corner in faces.iter().flat_map(|&face| mesh.corners(face)) {
         for k in 0..3 {
             bounds[0][k] = bounds[0][k].min(corner[k]);
             bounds[1][k] = bounds[1][k].max(corner[k]);
@@ -273,4 +283,46 @@ fn slack(mesh: &Mesh, faces: &[OrientedFace]) -> f64 {
         Positions::F64(_) => f64::EPSILON,
     };
     size * OF_SIZE + 4.0 * rounding * far
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use impinge_testkit::generate::{Rng, solids};
+
+    /// Grids whose heights are small integers have flat parts, ridges and valleys, and many corners
+    /// that are in the planes of other faces.
+    #[test]
+    fn all_corners_of_a_piece_are_below_its_planes() {
+        let mut rng = Rng::new(64);
+        let (mut large, mut many) = (0, 0);
+        for round in 0..100 {
+            let mut grid = solids::plane_grid(8, 8);
+            let steps = round % 4;
+            grid.vertices.iter_mut().for_each(|[.., z]| *z = rng.integer(0, steps) as f64 * 0.25);
+            let mesh = Mesh::new(grid.vertices, grid.faces).expect("a mesh");
+            let faces: Vec<u32> = (0..128).filter(|_| !rng.one_in(10)).collect();
+            let seeds = faces.iter().map(|&face| OrientedFace { face, is_flipped: round % 2 == 0 });
+            let found = pieces(&mesh, &faces, seeds, Budget::unlimited());
+            let mut members: Vec<u32> = found.iter().flat_map(Piece::faces).collect();
+            members.sort_unstable();
+            assert_eq!(members, faces);
+            for piece in &found {
+                for plane in &piece.planes {
+                    let corners = piece.faces().flat_map(|face| mesh.corners(face));
+                    assert!(corners.into_iter().all(|corner| plane.height(&corner) <= piece.slack));
+                }
+                let mut corners: Vec<u32> = piece.corners.iter().map(|corner| corner.0).collect();
+                corners.sort_unstable();
+                corners.dedup();
+                let mut vertices: Vec<u32> = piece.faces().flat_map(|face| mesh.faces()[face as usize]).collect();
+                vertices.sort_unstable();
+                vertices.dedup();
+                assert_eq!(corners, vertices);
+                large += usize::from(piece.faces.len() > 10);
+            }
+            many += usize::from(found.len() > 10);
+        }
+        assert!(large >= 25 && many > 30, "{large} {many}");
+    }
 }

@@ -24,7 +24,11 @@ pub(super) struct Polytope {
 
 impl Polytope {
     pub(super) fn of(piece: &Piece<'_>) -> Option<Self> {
-        let corners = if piece.corners.len() > MIN_CULLED_CORNERS { outer(piece) } else { distinct(&piece.corners) };
+        let corners = if piece.corners.len() > MIN_CULLED_CORNERS {
+            outer(piece)
+        } else {
+            distinct(piece.corners.iter().map(|&(vertex, _)| vertex).collect())
+        };
         let points: Vec<[f64; 3]> = corners.iter().map(|&at| piece.mesh.positions().get(at as usize)).collect();
         let hull = Hull::new(&points).ok()?;
         let mut facets = Facets::of_hull(&hull);
@@ -45,8 +49,7 @@ impl Polytope {
     }
 }
 
-fn distinct(corners: &[u32]) -> Vec<u32> {
-    let mut corners = corners.to_vec();
+fn distinct(mut corners: Vec<u32>) -> Vec<u32> {
     corners.sort_unstable();
     corners.dedup();
     corners
@@ -56,8 +59,8 @@ fn distinct(corners: &[u32]) -> Vec<u32> {
 /// between the farthest corners along eight directions, or beyond it.
 fn outer(piece: &Piece<'_>) -> Vec<u32> {
     let mut of_plane: Vec<Vec<u32>> = vec![Vec::new(); piece.planes.len()];
-    for (corners, &plane) in piece.corners.chunks_exact(3).zip(&piece.plane_of) {
-        of_plane[plane as usize].extend(corners);
+    for &(vertex, plane) in &piece.corners {
+        of_plane[plane as usize].push(vertex);
     }
     let mut kept = Vec::new();
     for (plane, corners) in piece.planes.iter().zip(of_plane) {
@@ -77,22 +80,54 @@ fn outer(piece: &Piece<'_>) -> Vec<u32> {
             })
             .collect();
         let polygon = octagon(&flat);
-        kept.extend(
-            corners.into_iter().zip(&flat).filter(|(_, at)| !is_inside(&polygon, at)).map(|(corner, _)| corner),
-        );
+        let inner = inner_box(&polygon);
+        let is_outer = |at: &[f64; 2]| !is_in_box(&inner, at) && !is_inside(&polygon, at);
+        kept.extend(corners.into_iter().zip(&flat).filter(|(_, at)| is_outer(at)).map(|(corner, _)| corner));
     }
-    distinct(&kept)
+    distinct(kept)
 }
 
 /// Returns the farthest points along eight directions, in counterclockwise order.
 fn octagon(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    const TURNS: [[f64; 2]; 8] =
-        [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0], [-1.0, -1.0], [0.0, -1.0], [1.0, -1.0]];
-    let height = |turn: &[f64; 2], point: &[f64; 2]| turn[0] * point[0] + turn[1] * point[1];
-    TURNS
-        .iter()
-        .filter_map(|turn| points.iter().max_by(|p, q| height(turn, p).total_cmp(&height(turn, q))).copied())
-        .collect()
+    let (mut highest, mut lowest) = ([(f64::NEG_INFINITY, 0); 4], [(f64::INFINITY, 0); 4]);
+    for (at, [x, y]) in points.iter().enumerate() {
+        for (k, height) in [*x, x + y, *y, y - x].into_iter().enumerate() {
+            if height >= highest[k].0 {
+                highest[k] = (height, at);
+            }
+            if height <= lowest[k].0 {
+                lowest[k] = (height, at);
+            }
+        }
+    }
+    highest.into_iter().chain(lowest).filter_map(|(_, at)| points.get(at).copied()).collect()
+}
+
+/// Returns a box inside a convex polygon, with the middle and the proportions of the box around it.
+/// Most points of a plane are in it, which is faster to decide. Returns an empty box if no box that
+/// is tried is certainly inside.
+fn inner_box(polygon: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    /// Sizes that are tried, relative to the box around the polygon.
+    const SHARES: [f64; 6] = [0.99, 0.95, 0.9, 0.8, 0.7, 0.5];
+    let end = |k: usize, pick: fn(f64, f64) -> f64, start: f64| polygon.iter().map(|p| p[k]).fold(start, pick);
+    let low = [0, 1].map(|k| end(k, f64::min, f64::INFINITY));
+    let high = [0, 1].map(|k| end(k, f64::max, f64::NEG_INFINITY));
+    let shrunk = |share: f64| {
+        let [ends_i, ends_j] = [0, 1].map(|k| {
+            let (middle, half) = (0.5 * low[k] + 0.5 * high[k], 0.5 * share * (high[k] - low[k]));
+            [middle - half, middle + half]
+        });
+        [[ends_i[0], ends_j[0]], [ends_i[1], ends_j[1]]]
+    };
+    let is_within = |[low, high]: &[[f64; 2]; 2]| {
+        [*low, [low[0], high[1]], *high, [high[0], low[1]]].iter().all(|corner| is_inside(polygon, corner))
+    };
+    let empty = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    SHARES.into_iter().map(shrunk).find(is_within).unwrap_or(empty)
+}
+
+fn is_in_box([low, high]: &[[f64; 2]; 2], [x, y]: &[f64; 2]) -> bool {
+    low[0] <= *x && *x <= high[0] && low[1] <= *y && *y <= high[1]
 }
 
 /// Reports whether a point is certainly inside a convex polygon.
@@ -140,4 +175,44 @@ fn edge_along(mesh: &Mesh, face: u32, segment: &[[f64; 3]; 2]) -> Option<Feature
     let edge = (0..3).find(|&edge| is_on[edge] && is_on[(edge + 1) % 3])?;
     let (from, to) = (vertices[edge], vertices[(edge + 1) % 3]);
     Some(Feature::Edge(from.min(to), from.max(to)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use impinge_testkit::generate::Rng;
+
+    /// Points on a small grid, of which many are on the border of the octagon.
+    #[test]
+    fn points_in_the_inner_box_are_inside_the_hull() {
+        let mut rng = Rng::new(65);
+        let (mut inside, mut outside, mut empty) = (0, 0, 0);
+        for round in 0..300 {
+            let reach = [0, 9, 9][round % 3];
+            let points: Vec<[f64; 2]> =
+                (0..100).map(|_| [rng.integer(-9, 9) as f64, rng.integer(-reach, reach) as f64]).collect();
+            let polygon = octagon(&points);
+            for turn in 0..64 {
+                let (y, x) = (f64::from(turn) * 0.1).sin_cos();
+                let height = |point: &[f64; 2]| x * point[0] + y * point[1];
+                let best = |points: &[[f64; 2]]| points.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+                assert!(best(&polygon) <= best(&points));
+                if turn == 0 {
+                    assert_eq!(best(&polygon), best(&points));
+                }
+            }
+            let inner = inner_box(&polygon);
+            empty += usize::from(inner[0][0] > inner[1][0]);
+            for point in &points {
+                if is_in_box(&inner, point) {
+                    assert!(is_inside(&polygon, point), "{point:?} {polygon:?}");
+                    inside += 1;
+                } else {
+                    outside += 1;
+                }
+            }
+        }
+        assert!(inside > 5000 && outside > 5000, "{inside} {outside}");
+        assert!((100..110).contains(&empty), "{empty}");
+    }
 }

@@ -2,7 +2,6 @@
 
 use std::cell::OnceCell;
 
-use super::OrientedFace;
 use crate::math::Pose;
 use crate::math::vec3::{dot, sub};
 use crate::mesh::Mesh;
@@ -15,7 +14,7 @@ const NEAR_FACE: f64 = 1.0 / (1 << 24) as f64;
 pub(crate) struct Touched<'t> {
     mesh: &'t Mesh,
     pose: &'t Pose,
-    faces: &'t [OrientedFace],
+    faces: &'t [u32],
     sorted: OnceCell<Sorted>,
 }
 
@@ -36,7 +35,7 @@ struct PlacedFace {
 }
 
 impl<'t> Touched<'t> {
-    pub(crate) fn new(mesh: &'t Mesh, pose: &'t Pose, faces: &'t [OrientedFace]) -> Self {
+    pub(crate) fn new(mesh: &'t Mesh, pose: &'t Pose, faces: &'t [u32]) -> Self {
         Self { mesh, pose, faces, sorted: OnceCell::new() }
     }
 
@@ -60,7 +59,7 @@ impl<'t> Touched<'t> {
 
     fn sort(&self) -> Sorted {
         let mut faces: Vec<PlacedFace> =
-            self.faces.iter().map(|face| PlacedFace::new(self.mesh, self.pose, face.face)).collect();
+            self.faces.iter().map(|&face| PlacedFace::new(self.mesh, self.pose, face)).collect();
         let least = |k: usize| faces.iter().map(|face| face.bounds[0][k]).fold(f64::INFINITY, f64::min);
         let greatest = |k: usize| faces.iter().map(|face| face.bounds[1][k]).fold(f64::NEG_INFINITY, f64::max);
         let extent = [0, 1, 2].map(|k| greatest(k) - least(k));

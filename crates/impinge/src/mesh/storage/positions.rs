@@ -95,7 +95,7 @@ impl Vertices {
     pub(in crate::mesh) fn get(&self, index: usize) -> [f64; 3] {
         match self {
             Self::Given(positions) => positions.get(index),
-            Self::BorrowedF32(vertices, _) => vertices[index].map(f64::from),
+            Self::BorrowedF32(vertices, _) => vertices[index].widened(),
             Self::BorrowedF64(vertices, _) => vertices[index],
         }
     }
@@ -173,7 +173,7 @@ impl Positions {
     #[must_use]
     pub fn get(&self, index: usize) -> [f64; 3] {
         match self {
-            Self::F32(v) => v[index].map(f64::from),
+            Self::F32(v) => v[index].widened(),
             Self::F64(v) => v[index],
         }
     }

@@ -67,7 +67,8 @@ fn of_pieces(
     let mut piece_of: [HashMap<u32, usize>; 2] = Default::default();
     let mut bodies: [Vec<Body<'_>>; 2] = Default::default();
     for side in 0..2 {
-        for piece in pieces(placed[side].mesh, &faces[side], budget) {
+        let seeds = faces[side].iter().map(|&face| OrientedFace { face, is_flipped: false });
+        for piece in pieces(placed[side].mesh, &faces[side], seeds, budget) {
             let members: Vec<u32> = piece.faces().collect();
             if let Some(body) = Body::of_piece(piece, &touched[side]) {
                 piece_of[side].extend(members.into_iter().map(|face| (face, bodies[side].len())));
@@ -103,12 +104,12 @@ fn of_pieces(
 
 /// Returns the faces of one side of a region, in ascending order: given ones, and those at the
 /// vertices inside the other mesh.
-fn faces_of(placed: PlacedMesh<'_>, faces: impl Iterator<Item = u32>, inside: &[u32]) -> Vec<OrientedFace> {
+fn faces_of(placed: PlacedMesh<'_>, faces: impl Iterator<Item = u32>, inside: &[u32]) -> Vec<u32> {
     let inside = inside.iter().flat_map(|&vertex| placed.mesh.faces_at(vertex).iter().copied());
     let mut faces: Vec<u32> = faces.chain(inside).collect();
     faces.sort_unstable();
     faces.dedup();
-    faces.into_iter().map(|face| OrientedFace { face, is_flipped: false }).collect()
+    faces
 }
 
 /// Returns the ends of the pieces of a region's curve as contacts, with the corners, edges and
