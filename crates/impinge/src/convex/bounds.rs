@@ -26,10 +26,12 @@ impl Swept<'_> {
             _ => self.heights_of_supports(),
         };
         let at = self.pose.translation();
-        let swept = |height: f64| (height + self.radius[1]).next_up();
+        let swept = |heights: [f64; 3]| by_axis!(axis => (heights[axis] + self.radius[1]).next_up());
+        let along_swept = swept(along);
+        let against_swept = if against == along { along_swept } else { swept(against) };
         [
-            by_axis!(axis => (at[axis] - swept(against[axis])).next_down()),
-            by_axis!(axis => (at[axis] + swept(along[axis])).next_up()),
+            by_axis!(axis => (at[axis] - against_swept[axis]).next_down()),
+            by_axis!(axis => (at[axis] + along_swept[axis]).next_up()),
         ]
     }
 

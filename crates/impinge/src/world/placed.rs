@@ -3,7 +3,7 @@
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::mesh::PlacedMesh;
-use crate::shape::{PlacedShape, Shape, Stand};
+use crate::shape::{Form, PlacedShape, Shape, Stand};
 
 /// A shape placed in the world, together with the shape itself.
 #[derive(Clone, Debug)]
@@ -69,6 +69,12 @@ impl Placed {
             ValidPlacement::Alone(stand) => self.in_world.swap_stand(stand),
             ValidPlacement::Compound(placed) => std::mem::swap(self, placed),
         }
+    }
+
+    /// Reports whether queries about this shape take about a microsecond: it is a half-space or one
+    /// convex set.
+    pub(super) fn is_quick(&self) -> bool {
+        matches!(self.in_world.parts(), [part] if matches!(part.form(), Form::Convex(_) | Form::HalfSpace(_)))
     }
 
     pub(super) fn shape(&self) -> &Shape {

@@ -14,6 +14,10 @@ use crate::storage::{TryPush, try_concat};
 /// it saves.
 pub(super) const MIN_TASK: usize = 64;
 
+/// Maximum number of bodies of a step that stays on the caller's thread. More would take longer
+/// there than it takes to wake other threads: some ten microseconds.
+pub(super) const MAX_ALONE: usize = 128;
+
 /// The candidate pairs of which a body changed.
 #[derive(Debug, Default)]
 pub(super) struct Candidates {
@@ -46,7 +50,8 @@ impl World {
             }
             Ok(candidates)
         };
-        let chunks: Vec<Candidates> = changed.par_chunks(MIN_TASK).map(of_chunk).collect::<Result<_, _>>()?;
+        let task = if changed.len() <= MAX_ALONE { MAX_ALONE } else { MIN_TASK };
+        let chunks: Vec<Candidates> = changed.par_chunks(task).map(of_chunk).collect::<Result<_, _>>()?;
         let known = match known {
             KnownPairs::Nothing => &[],
             KnownPairs::Changes(changes) => changes.began(),

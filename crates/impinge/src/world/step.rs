@@ -11,7 +11,7 @@ use super::events::{Events, Work};
 use super::narrow::{Meeting, NarrowPhase};
 use super::outline::{Bounds, Extremes};
 use super::placed::ValidPlacement;
-use super::search::{Candidates, MIN_TASK};
+use super::search::{Candidates, MAX_ALONE, MIN_TASK};
 use super::{Change, State, World, refused};
 use crate::budget::{Budget, Stopped};
 use crate::math::Pose;
@@ -112,7 +112,7 @@ impl World {
         budget: &Budget<'_>,
         observe: &mut (dyn FnMut(Phase) + Send),
     ) -> Result<&Events, WorldError> {
-        if moves.len() >= 2 * MIN_TASK {
+        if moves.len() > MAX_ALONE {
             rayon::scope(|_| self.advance(moves, budget, observe))?;
         } else {
             self.advance(moves, budget, observe)?;
@@ -261,11 +261,11 @@ impl World {
         candidates.kept.try_reserve(candidates.found.len())?;
         self.state.pairs.try_reserve(&candidates.found)?;
         observe(Phase::Broad);
+        let min_task = self.narrow_task(&candidates);
         let kept = candidates.kept.par_iter().map(|&pair| self.state.pairs.get(pair).map(|entry| entry.bodies));
         let found = candidates.found.par_iter().map(|&bodies| Some(bodies));
         let mut meetings = Vec::new();
         meetings.try_reserve_exact(candidates.kept.len() + candidates.found.len())?;
-        let min_task = self.options.narrow_phase.min_task();
         let examined = kept.chain(found).with_min_len(min_task).map(|bodies| self.examine(bodies?, budget));
         examined.collect_into_vec(&mut meetings);
         self.find_surface_contacts(&candidates, &mut meetings, budget);
@@ -274,6 +274,17 @@ impl World {
         self.state.events.began.try_reserve(began)?;
         observe(Phase::Narrow);
         Ok(Found { changed: changed.len(), candidates, meetings })
+    }
+
+    /// Returns the minimum number of pairs per parallel task of the narrow phase. A few pairs of
+    /// single convex bodies stay on the caller's thread.
+    fn narrow_task(&self, candidates: &Candidates) -> usize {
+        let kept = candidates.kept.iter().filter_map(|&pair| self.state.pairs.get(pair)).map(|entry| entry.bodies);
+        let mut pairs = kept.chain(candidates.found.iter().copied());
+        let is_quick = |place: u32| self.state.residents.at(place).is_none_or(|(_, body)| body.placed.is_quick());
+        let count = candidates.kept.len() + candidates.found.len();
+        let is_alone = count <= MAX_ALONE && pairs.all(|bodies| bodies.into_iter().all(is_quick));
+        if is_alone { MAX_ALONE } else { self.options.narrow_phase.min_task() }
     }
 
     /// Runs the narrow phase for two bodies.

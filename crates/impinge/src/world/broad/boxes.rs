@@ -20,6 +20,10 @@ use crate::volume::MinMax;
 /// 300 boxes, it takes 1.6 times as long.
 const MAX_FOR_EVERY: usize = 128;
 
+/// Minimum share of the boxes that must move before all pairs of boxes without a structure are
+/// found together. For fewer moves it takes longer than comparing each moved box with every box.
+const SHARE_FOR_SWEEP: f64 = 0.125;
+
 /// Minimum share of the boxes that must move before all boxes are sorted into columns. Below half
 /// of this share, each box is moved in a tree instead.
 ///
@@ -123,6 +127,10 @@ impl Boxes {
         let len = self.structure.len();
         self.moving += LAST_STEP_WEIGHT * (moved.min(len) as f64 / len.max(1) as f64 - self.moving);
         self.sizes.age(moved);
+        let suits = |choice: BroadPhase| choice == BroadPhase::Every || len <= MAX_FOR_EVERY;
+        if matches!(self.structure, Structure::Every(_)) && suits(self.choice) {
+            return;
+        }
         if self.sizes.are_stale(len) {
             self.sizes = Sizes::of(self.structure.sample(self.keys));
             if let Structure::Grid(grid) = &self.structure
@@ -135,7 +143,6 @@ impl Boxes {
             return;
         }
         let wanted = match &self.structure {
-            Structure::Every(_) if len <= MAX_FOR_EVERY => return,
             _ if len < MAX_FOR_EVERY / 2 => BroadPhase::Every,
             _ if self.moving > SHARE_FOR_COLUMNS => BroadPhase::Columns,
             Structure::Columns(_) if self.moving > 0.5 * SHARE_FOR_COLUMNS => return,
@@ -192,6 +199,9 @@ impl Boxes {
                 moves.iter().for_each(|step| step.to.iter().for_each(|bounds| structure.insert(step.key, bounds)));
                 return match structure {
                     Structure::Columns(columns) => columns.pairs(budget).map(KnownPairs::All),
+                    Structure::Every(every) if moves.len() as f64 > SHARE_FOR_SWEEP * every.boxes().len() as f64 => {
+                        every.pairs(budget).map(KnownPairs::All)
+                    }
                     _ => Ok(KnownPairs::Nothing),
                 };
             }

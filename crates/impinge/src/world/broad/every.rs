@@ -1,7 +1,9 @@
 //! No structure: every box is compared. The fastest kind for a few bodies, and the baseline for the
-//! other kinds.
+//! other kinds. If many boxes moved, all pairs are found together, by a sort and a sweep.
 
+use crate::budget::{Budget, Stopped};
 use crate::partition::Ray;
+use crate::storage::TryPush;
 use crate::volume::{BoundingVolume, MinMax};
 
 /// Value that stands for "no box".
@@ -65,6 +67,45 @@ impl Every {
         }
     }
 
+    /// Returns all pairs of bodies whose boxes overlap.
+    ///
+    /// The boxes are sorted along the axis on which their centers are spread most. Each is compared
+    /// with those that begin before it ends.
+    ///
+    /// # Errors
+    /// Returns an error if the budget ended the sweep, or if there is not enough memory.
+    pub(super) fn pairs(&self, budget: &Budget<'_>) -> Result<Vec<[u32; 2]>, Stopped> {
+        let axis = self.widest_axis();
+        let mut order: Vec<(f64, u32)> = Vec::new();
+        order.try_reserve_exact(self.boxes.len())?;
+        order.extend((0..).zip(&self.boxes).map(|(place, bounds)| (bounds.min()[axis], place)));
+        order.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
+        let mut pairs = Vec::new();
+        for (at, &(_, place)) in order.iter().enumerate() {
+            budget.check()?;
+            let (bounds, body) = (&self.boxes[place as usize], self.bodies[place as usize]);
+            let end = bounds.max()[axis];
+            for &(_, other) in order[at + 1..].iter().take_while(|(begin, _)| *begin <= end) {
+                if self.boxes[other as usize].overlaps(bounds) {
+                    pairs.try_push([body, self.bodies[other as usize]])?;
+                }
+            }
+        }
+        Ok(pairs)
+    }
+
+    /// Returns the axis on which the centers of the boxes vary most.
+    fn widest_axis(&self) -> usize {
+        let spread = |axis: usize| {
+            let center = |bounds: &MinMax| bounds.min()[axis] + bounds.max()[axis];
+            let ends = |[low, high]: [f64; 2], at: f64| [low.min(at), high.max(at)];
+            let [low, high] = self.boxes.iter().map(center).fold([f64::INFINITY, f64::NEG_INFINITY], ends);
+            high - low
+        };
+        let spreads = [0, 1, 2].map(spread);
+        (1..3).fold(0, |widest, axis| if spreads[axis] > spreads[widest] { axis } else { widest })
+    }
+
     pub(super) fn along(&self, ray: &Ray, visit: &mut dyn FnMut(u32) -> f64) {
         let mut reach = ray.reach();
         for (own, body) in self.iter() {
@@ -72,5 +113,53 @@ impl Every {
                 reach = reach.min(visit(body));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use impinge_testkit::generate::Rng;
+
+    /// Boxes with corners on a small grid share most of their sides.
+    #[test]
+    fn the_sweep_finds_the_pairs_of_every_comparison() {
+        let mut rng = Rng::new(17);
+        let (mut found, mut apart) = (0, 0);
+        for round in 0..300 {
+            let mut every = Every::default();
+            let flat = round % 4;
+            for body in 0..rng.integer(0, 40) as u32 {
+                let low: [f64; 3] = std::array::from_fn(|k| if k == flat { 2.0 } else { rng.integer(-3, 6) as f64 });
+                let high = low.map(|x| x + rng.integer(0, 2) as f64);
+                every.insert(3 * body, &MinMax::from_ordered(low, high));
+            }
+            let mut pairs = every.pairs(Budget::unlimited()).expect("no limits");
+            pairs.iter_mut().for_each(|pair| pair.sort_unstable());
+            pairs.sort_unstable();
+            let all: Vec<(&MinMax, u32)> = every.iter().collect();
+            let mut expected = Vec::new();
+            for (at, (bounds, body)) in all.iter().enumerate() {
+                let others = all[at + 1..].iter().filter(|(other, _)| other.overlaps(bounds));
+                expected.extend(others.map(|(_, other)| [*body, *other]));
+            }
+            apart += all.len() * all.len().saturating_sub(1) / 2 - expected.len();
+            found += expected.len();
+            assert_eq!(pairs, expected);
+        }
+        assert!(found > 3000 && apart > 10_000, "{found} {apart}");
+    }
+
+    #[test]
+    fn the_sweep_is_along_the_widest_axis() {
+        for axis in 0..3 {
+            let mut every = Every::default();
+            for body in 0..4 {
+                let low = std::array::from_fn(|k| f64::from(body) * if k == axis { 8.0 } else { 1.0 });
+                every.insert(body, &MinMax::from_ordered(low, low));
+            }
+            assert_eq!(every.widest_axis(), axis);
+        }
+        assert_eq!(Every::default().widest_axis(), 0);
     }
 }
