@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::covering::volume;
-use super::outside::{Goal, Outside, bounds};
+use super::outside::{Goal, Outside, Work, bounds};
 use crate::budget::Budget;
 use crate::hull::Hull;
 use crate::math::vec3::Vector;
@@ -36,7 +36,13 @@ const FORCED_RATIO: f64 = 1.25;
 /// Merges parts as long as the common hull of two is proved to be at most `concavity` from the
 /// solid, those that add least volume first. Then it merges the parts whose common hull is nearest
 /// to the solid, until there are at most `max_parts`. Ends early if the budget is spent.
-pub(super) fn merge(mesh: &Mesh, parts: Vec<Part>, concavity: f64, max_parts: usize, budget: &Budget<'_>) -> Vec<Part> {
+pub(super) fn merge(
+    mesh: &Mesh,
+    parts: Vec<Part>,
+    (concavity, max_parts): (f64, usize),
+    work: &Work,
+    budget: &Budget<'_>,
+) -> Vec<Part> {
     let mut merging = Merging::of(parts, concavity);
     while !budget.is_spent() {
         let is_measured = |union: &Union| union.upper.is_some();
@@ -47,7 +53,7 @@ pub(super) fn merge(mesh: &Mesh, parts: Vec<Part>, concavity: f64, max_parts: us
             // One point that is farther is enough to reject the hull, unless there are too many
             // parts.
             let ratio = if merging.count > max_parts { FORCED_RATIO } else { f64::INFINITY };
-            let outside = Outside::of(mesh, &hull, Goal { enough: concavity, ratio }, budget);
+            let outside = Outside::of(mesh, &hull, Goal { enough: concavity, ratio }, work, budget);
             merging.unions[at].upper = Some(outside.upper);
             if outside.upper <= concavity {
                 merging.replace(at, Part { hull, outside });
@@ -59,7 +65,7 @@ pub(super) fn merge(mesh: &Mesh, parts: Vec<Part>, concavity: f64, max_parts: us
             }
             let Some(at) = merging.least(|union| union.upper.unwrap_or(union.added)) else { break };
             let Some(hull) = merging.common_hull(merging.unions[at].of) else { break };
-            let outside = Outside::of(mesh, &hull, Goal { enough: concavity, ratio: FORCED_RATIO }, budget);
+            let outside = Outside::of(mesh, &hull, Goal { enough: concavity, ratio: FORCED_RATIO }, work, budget);
             merging.replace(at, Part { hull, outside });
         } else {
             break;

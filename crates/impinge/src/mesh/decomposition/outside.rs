@@ -9,6 +9,7 @@
 //!
 //! Proof: docs/notes/proof.md, L39. Guarded by `tests/it/solids/decomposition.rs`.
 
+use std::cell::Cell;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -33,8 +34,26 @@ const MAX_DEPTH: u32 = 1 << 10;
 /// is not proved is cut again.
 const MAX_BOXES: usize = 1 << 15;
 
+/// Minimum ratio by which a point must improve the lower bound, so that it is worth a query.
+const MIN_GAIN: f64 = 1.0 + 1.0 / 32.0;
+
+/// Number of boxes of all searches of a decomposition after which each search has few boxes. It
+/// bounds the time of meshes with many details near the goal to some ten seconds.
+const MAX_BOXES_IN_ALL: usize = 1 << 21;
+
+/// Maximum number of boxes of a search after the others took [`MAX_BOXES_IN_ALL`]. The bounds are
+/// then rough: fewer parts are merged, and parts are cut more often than needed.
+const FEW_BOXES: usize = 1 << 8;
+
 /// Number of boxes between two checks of the budget.
 const BOXES_PER_STEP: usize = 32;
+
+/// The work of the searches of one decomposition.
+#[derive(Debug, Default)]
+pub(super) struct Work {
+    /// Number of boxes so far.
+    boxes: Cell<usize>,
+}
 
 /// Bounds on the largest distance of a point of a hull from a solid, in the unit of the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,13 +93,15 @@ struct OuterPlane {
 impl Outside {
     /// Returns bounds for the hull. They are proved, but wider than the goal if the budget or the
     /// number of boxes is used up.
-    pub(super) fn of(mesh: &Mesh, hull: &Hull, goal: Goal, budget: &Budget<'_>) -> Self {
+    pub(super) fn of(mesh: &Mesh, hull: &Hull, goal: Goal, work: &Work, budget: &Budget<'_>) -> Self {
+        let max_boxes = if work.boxes.get() < MAX_BOXES_IN_ALL { MAX_BOXES } else { FEW_BOXES };
         let (origin, half_extents) = (mesh.0.frame.origin, mesh.0.half_extents);
         let reach = (0..3).map(|k| hull.reach()[k].max(origin[k].abs() + half_extents[k])).fold(0.0, f64::max);
         let planes = outer_planes(hull);
         let mut search = Search {
             mesh,
             hull,
+            planes: &planes,
             classifier: PointClassifier::new(mesh),
             scale: reciprocal_power_of_two(reach),
             slack: SLACK * reach,
@@ -101,7 +122,7 @@ impl Outside {
         };
         search.add(root);
         while let Some(task) = search.tasks.pop() {
-            let is_done = task.upper <= search.target() || search.count >= MAX_BOXES;
+            let is_done = task.upper <= search.target() || search.count >= max_boxes;
             if is_done || (search.count % BOXES_PER_STEP < 2 && budget.is_spent()) {
                 search.settled = search.settled.max(task.upper);
                 break;
@@ -112,6 +133,7 @@ impl Outside {
                 }
             }
         }
+        work.boxes.set(work.boxes.get() + search.count);
         Self { lower: search.lower, upper: search.settled.max(search.lower) }
     }
 }
@@ -119,6 +141,7 @@ impl Outside {
 struct Search<'m> {
     mesh: &'m Mesh,
     hull: &'m Hull,
+    planes: &'m [OuterPlane],
     classifier: PointClassifier<'m>,
     /// Factor that makes coordinates at most about one, so that their powers are in range.
     scale: f64,
@@ -166,11 +189,48 @@ impl Search<'_> {
             // Every way out of the solid first passes the surface.
             return (radius - nearest.lower + self.slack).max(0.0);
         }
-        let farther = nearest.lower - self.slack;
-        if farther > self.lower && self.hull.contains(task.center) {
-            self.lower = farther;
-        }
+        self.try_point(&task.center, nearest.lower);
+        self.climb(&task.center, &nearest.point);
         by_distance.min(self.farthest_from_face(task, nearest.face) + self.slack)
+    }
+
+    /// Records the distance of a point outside the solid, if the point is in the hull.
+    fn try_point(&mut self, point: &Vector, away: f64) {
+        if away - self.slack > self.lower && self.hull.contains(*point) {
+            self.lower = away - self.slack;
+        }
+    }
+
+    /// Moves a point outside the solid away from the nearest point of the surface, up to the border
+    /// of the hull, and records the distance there. So the distance above the floor of a recess is
+    /// known long before boxes are small.
+    fn climb(&mut self, center: &Vector, nearest: &Vector) {
+        let from = sub(center, nearest);
+        let Some(direction) = unit(&from.map(|x| x * self.scale)) else { return };
+        let (mut low, mut high) = (-length(&from), f64::INFINITY);
+        for OuterPlane { normal, offset } in self.planes {
+            let (slope, gap) = (dot(normal, &direction), offset - dot(normal, center));
+            if slope > 0.0 {
+                high = high.min(gap / slope);
+            } else if slope < 0.0 {
+                low = low.max(gap / slope);
+            }
+        }
+        // The border itself may be outside of the hull by rounding.
+        let way = high - 2.0 * self.slack;
+        let enough = self.goal.enough;
+        let wanted = if self.lower > enough { MIN_GAIN * self.lower } else { enough };
+        // The distance grows by at most the way.
+        if way < low || !way.is_finite() || length(&from) + way <= wanted {
+            return;
+        }
+        let point = std::array::from_fn(|k| center[k] + way * direction[k]);
+        let Ok(Some(found)) = self.mesh.closest_point(point) else { return };
+        if found.lower - self.slack > self.lower
+            && self.classifier.containment(&PosedPoint::local(Spot::At(point))) == Containment::Outside
+        {
+            self.try_point(&point, found.lower);
+        }
     }
 
     /// Returns the largest distance of a point of a box from a face of the mesh.

@@ -163,6 +163,30 @@ fn too_few_parts_are_reported_with_a_bound_that_holds() {
     }
 }
 
+/// The distance of the hull from the solid is the depth of a groove. The points that are that far
+/// are on the border of the hull, and never the center of a box.
+#[test]
+fn a_groove_is_measured_to_its_floor() {
+    let mut rng = Rng::new(9);
+    for (depth, turned) in [(0.5, false), (0.5, true), (0.8125, false)] {
+        let floor = 20.0 - depth;
+        let boxes = [
+            [[0.0; 3], [20.0, 20.0, floor]],
+            [[0.0, 0.0, 10.0], [9.0, 20.0, 20.0]],
+            [[11.0, 0.0, 10.0], [20.0, 20.0, 20.0]],
+        ];
+        let mut mesh = union_of(&boxes);
+        if turned {
+            let map = poses::rotation(&mut rng);
+            mesh.vertices.iter_mut().for_each(|vertex| *vertex = map.apply_rounded(*vertex));
+        }
+        let parts = parts_of(&engine(&mesh), 0.25, 1);
+        let part = &parts.parts()[0];
+        assert!(part.concavity_lower <= depth + 1e-9 && depth - 1e-9 <= part.concavity_lower, "{depth}: {part:?}");
+        assert!(depth - 1e-9 <= part.concavity_upper && part.concavity_upper <= 1.125 * depth, "{depth}: {part:?}");
+    }
+}
+
 #[test]
 fn a_spent_budget_leaves_hulls_that_cover_the_solid() {
     let mesh = engine(&knots::torus_knot(60, 8, knots::TREFOIL));
