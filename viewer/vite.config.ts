@@ -20,8 +20,23 @@ function sampleData(): Plugin {
   };
 }
 
+/** Puts the licenses of the libraries into the page, which they require. */
+function licenses(): Plugin {
+  return {
+    name: "licenses",
+    apply: "build",
+    transformIndexHtml(html) {
+      const { dependencies } = JSON.parse(readFileSync("package.json", "utf8")) as { dependencies: Record<string, string> };
+      const texts = Object.entries(dependencies).map(([name, version]) => {
+        return `${name} ${version}\n\n${readFileSync(`node_modules/${name}/LICENSE`, "utf8").trim()}`;
+      });
+      return html.replace("<head>", () => `<head>\n    <!--\nThis page contains:\n\n${texts.join("\n\n")}\n    -->`);
+    },
+  };
+}
+
 export default defineConfig({
-  plugins: [sampleData(), viteSingleFile({ removeViteModuleLoader: true })],
+  plugins: [sampleData(), licenses(), viteSingleFile({ removeViteModuleLoader: true })],
   build: {
     target: "es2022",
     modulePreload: false,

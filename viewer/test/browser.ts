@@ -4,7 +4,7 @@ import { chromium, type Browser, type BrowserContextOptions, type Page } from "p
 /** The page under test: any page that `impinge clash --view` wrote for a model with several clashes. */
 export const PAGE = required("IMPINGE_PAGE");
 
-function required(name: string): string {
+export function required(name: string): string {
   const value = process.env[name];
   if (value === undefined) throw new Error(`Set ${name}. cargo xtask viewer does so.`);
   return value;

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
-use crate::build::cargo;
+use crate::build::programs;
 
 /// Folder of the sources.
 const SOURCES: &str = "viewer";
@@ -22,7 +22,11 @@ const REPORT: &str = "gearbox";
 /// Pages that the browser opens: the name of each, the arguments of `impinge`, and its exit code.
 /// Rules and configurations keep the searches short in an unoptimized build.
 const COMMANDS: [(&str, &str, i32); 6] = [
-    (REPORT, "clash data/cad_cycloidal_gearbox.glb --rules viewer/test/pins.toml", 1),
+    (
+        REPORT,
+        "clash data/cad_cycloidal_gearbox.glb --rules viewer/test/pins.toml --bcf target/viewer/gearbox.bcfzip",
+        1,
+    ),
     ("meet", "check data/human_makehuman_cc0.ply data/human_makehuman_cc0.ply --pose-b 0.4,0,0 --up y", 1),
     ("apart", "check data/human_makehuman_cc0.ply data/human_makehuman_cc0.ply --pose-b 2,0,0 --up y", 0),
     ("hierarchy", "inspect data/human_makehuman_cc0.ply", 0),
@@ -82,16 +86,20 @@ fn browse(root: &Path, sources: &Path) -> Result<bool> {
     let folder = root.join(PAGES);
     fs::create_dir_all(&folder).with_context(|| format!("making {PAGES}"))?;
     let path = |name: &str| folder.join(format!("{name}.html"));
+    let programs = programs(root, &["build", "--quiet", "-p", "impinge-cli"])?;
+    let impinge = programs.iter().find_map(|program| program.executable.as_ref());
+    let impinge = impinge.context("the build has made no program")?;
     for (name, arguments, code) in COMMANDS {
-        let mut command = cargo();
-        command.args(["run", "--quiet", "-p", "impinge-cli", "--"]).args(arguments.split(' ')).arg("--view");
-        let output = command.arg(path(name)).current_dir(root).output().context("starting impinge")?;
+        let mut command = Command::new(impinge);
+        command.args(arguments.split(' ')).arg("--view").arg(path(name));
+        let output = command.current_dir(root).output().context("starting impinge")?;
         let is_expected = output.status.code() == Some(code);
         ensure!(is_expected, "impinge {arguments}: {}", String::from_utf8_lossy(&output.stderr));
     }
     let page = path(REPORT);
     let mut tests = Command::new("npm");
-    tests.args(["test", "--silent"]).current_dir(sources).env("IMPINGE_PAGE", &page).env("CHROMIUM", browser);
+    tests.args(["test", "--silent"]).current_dir(sources);
+    tests.env("IMPINGE_PAGE", &page).env("IMPINGE", impinge).env("CHROMIUM", browser);
     let passed = tests.status().context("starting npm test")?.success();
     println!("viewer: the tests in a browser {}", if passed { "passed" } else { "failed" });
     Ok(passed)

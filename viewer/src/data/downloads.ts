@@ -40,10 +40,10 @@ export function reportFile(model: ClashModel): string {
   return `{${fields.join(",\n")}}\n`;
 }
 
-/** Offers a text as a file. */
-export function save(name: string, text: string, type: string): void {
+/** Offers a text or bytes as a file. */
+export function save(name: string, content: BlobPart, type: string): void {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type }));
+  link.href = URL.createObjectURL(new Blob([content], { type }));
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);

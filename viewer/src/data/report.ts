@@ -91,4 +91,27 @@ export interface Facts {
   max_triangles: number;
   max_curves: number;
   rounding: number;
+  bcf?: Bcf;
+}
+
+/** What a BCF file has beside the report. See `crates/impinge-report/src/bcf/page.rs`. */
+export interface Bcf {
+  project: [id: string, name: string];
+  author: string;
+  colors: [string, string];
+  field_of_view: number;
+  size: [number, number];
+  topics: Topic[];
+}
+
+/** A topic of a BCF file. */
+export interface Topic {
+  guids: [topic: string, comment: string, viewpoint: string];
+  title: string;
+  kind: string;
+  priority: string;
+  labels?: string[];
+  /** Places in the list of all findings, the worst first. */
+  findings: number[];
+  part_lines?: string[];
 }

@@ -4,6 +4,7 @@ import type { Lengths } from "../data/length";
 import type { ClashModel } from "../data/model";
 import { counted, get, make } from "../elements";
 import { boxSentence } from "./overview";
+import { MAX_PICTURES } from "./save-bcf";
 
 /** Fills the sheet, and returns a function that opens or closes it. */
 export function helpSheet(): () => void {
@@ -26,6 +27,8 @@ export function aboutReport({ report, facts, findings }: ClashModel, lengths: Le
   ];
   if (facts.boxes > 0) lines.push(boxSentence(facts.boxes, facts.max_triangles));
   if (facts.curves < clashes) lines.push(`Intersection curves are drawn for the worst ${counted(facts.curves, "clash", "clashes")}.`);
+  const topics = facts.bcf?.topics.length ?? 0;
+  if (topics > MAX_PICTURES) lines.push(`A BCF file has ${counted(topics, "topic")}, and pictures of the first ${MAX_PICTURES}.`);
   lines.push("The page makes no request, and statuses stay in it until you save them.");
   return lines;
 }

@@ -2,7 +2,7 @@
 import { PerspectiveCamera, Vector3 } from "three";
 import type { Axis } from "../data/report";
 
-/** Vertical field of view in degrees. */
+/** Vertical field of view of the page in degrees. */
 const FIELD_OF_VIEW = 40;
 
 /** Angle of a turn for each pixel that the pointer moves, and for each press of a key. */
@@ -25,7 +25,7 @@ export interface Stance {
 }
 
 export class Orbit {
-  readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.1, 1000);
+  readonly camera: PerspectiveCamera;
   stance: Stance = { target: new Vector3(), distance: 10, yaw: -0.9, pitch: 0.5 };
   /** Largest distance of a part from the origin, which must be in sight. */
   sceneReach = 1;
@@ -36,7 +36,9 @@ export class Orbit {
     private readonly element: HTMLElement,
     private readonly up: Axis,
     private readonly changed: () => void,
+    private readonly fieldOfView = FIELD_OF_VIEW,
   ) {
+    this.camera = new PerspectiveCamera(fieldOfView, 1, 0.1, 1000);
     this.camera.up.set(Number(up === "x"), Number(up === "y"), Number(up === "z"));
     element.addEventListener("pointerdown", (event) => this.press(event));
     element.addEventListener("pointermove", (event) => this.drag(event));
@@ -63,7 +65,7 @@ export class Orbit {
 
   /** Returns the distance from which a sphere fills most of the view. */
   distanceFor(radius: number): number {
-    const half = (FIELD_OF_VIEW / 2) * (Math.PI / 180);
+    const half = (this.fieldOfView / 2) * (Math.PI / 180);
     const narrow = Math.min(1, this.camera.aspect);
     return radius / Math.sin(half) / narrow;
   }
@@ -106,7 +108,7 @@ export class Orbit {
 
   /** Returns the length that a pixel shows at the target. */
   lengthOfPixel(): number {
-    const height = 2 * this.stance.distance * Math.tan((FIELD_OF_VIEW / 2) * (Math.PI / 180));
+    const height = 2 * this.stance.distance * Math.tan((this.fieldOfView / 2) * (Math.PI / 180));
     return height / Math.max(this.element.clientHeight, 1);
   }
 

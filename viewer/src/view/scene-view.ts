@@ -1,7 +1,6 @@
 /** The view in three dimensions: the model, the selected finding, and what the person does with them. */
 import { Color, LinearSRGBColorSpace, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Ray } from "three";
-import { around, diagonal, middle } from "../data/boxes";
-import type { Box } from "../data/geometry";
+import { diagonal, middle } from "../data/boxes";
 import type { Lengths } from "../data/length";
 import type { Finding } from "../data/model";
 import { get } from "../elements";
@@ -9,6 +8,7 @@ import type { SectionAxis, State, Store } from "../state";
 import { DARK, LIGHT, type Theme } from "./colors";
 import { Context } from "./context";
 import { Focus } from "./focus";
+import { Framing } from "./framing";
 import { Markers, placeOf } from "./markers";
 import { Measure, snap } from "./measure";
 import { Orbit } from "./orbit";
@@ -48,8 +48,7 @@ export class SceneView {
   private readonly resolution: Resolution;
   /** Timer of the fine picture after a motion. */
   private rest: number | undefined;
-  /** The box around all parts. */
-  private readonly whole: Box;
+  private readonly framing: Framing;
   private theme: Theme = LIGHT;
   private fitted = 0;
   private isDirty = false;
@@ -71,9 +70,8 @@ export class SceneView {
     this.renderer.localClippingEnabled = true;
     this.renderer.outputColorSpace = LinearSRGBColorSpace; // colors are drawn as they are
     this.placement = new Placement(store.model.geometry);
-    const corners = store.model.geometry.parts.flatMap((part) => part.box ?? []);
-    this.whole = store.model.extent ?? (corners.length === 0 ? [[-1, -1, -1], [1, 1, 1]] : around(corners));
-    this.placement.origin = middle(this.whole);
+    this.framing = new Framing(store.model);
+    this.placement.origin = middle(this.framing.whole);
     this.picker = new Picker(this.placement);
     this.orbit = new Orbit(this.canvas, store.model.up, () => this.redraw());
     this.context = new Context(this.placement);
@@ -190,7 +188,7 @@ export class SceneView {
   private showContext(): void {
     const { selected, hidden } = this.store.now;
     const isSelected = new Set(selected?.places);
-    const kept = this.isThinned ? this.context.mostVisible(this.pivot(), this.reachOf(selected)) : undefined;
+    const kept = this.isThinned ? this.context.mostVisible(this.pivot(), this.framing.reachOf(selected)) : undefined;
     this.context.show((place) => !isSelected.has(place) && !hidden.has(place) && (kept?.has(place) ?? true));
   }
 
@@ -205,7 +203,7 @@ export class SceneView {
     const isCut = section !== undefined;
     const target = selected === undefined ? undefined : placeOf(selected);
     const at = target === undefined ? new Vector3() : new Vector3(...this.placement.toView(target));
-    this.section.moveTo(at, this.reachOf(selected));
+    this.section.moveTo(at, this.framing.reachOf(selected));
     const planes = isCut ? [this.section.plane] : [];
     this.context.setClipping(planes);
     this.focus.setClipping(planes);
@@ -215,39 +213,21 @@ export class SceneView {
 
   private fit(what: (typeof FITS)[number]): void {
     const { selected } = this.store.now;
-    const box = what === "model" || selected === undefined ? this.whole : this.boxOf(selected, what === "parts");
+    const box = what === "model" || selected === undefined ? this.framing.whole : this.framing.boxOf(selected, what === "parts");
     const target = new Vector3(...this.placement.toView(middle(box)));
     const radius = Math.max(diagonal(box) / 2, 1e-9);
     const isClash = what === "clash" && selected !== undefined;
-    const reach = isClash ? this.reachOf(selected) : radius;
+    const reach = isClash ? this.framing.reachOf(selected) : radius;
     const toCamera = isClash ? clearestDirection(selected, target, this.orbit, this.placement, this.picker) : this.toCamera;
     this.orbit.fly({ target, distance: this.orbit.distanceFor(reach), ...this.orbit.angles(toCamera) });
   }
 
-  /** Returns half of the length that the camera shows of a clash: its box, and enough of its parts to know them. */
-  private reachOf(finding: Finding | undefined): number {
-    if (finding === undefined) return diagonal(this.whole) / 2;
-    const all = finding.places.slice(0, 2).map((place) => diagonal(this.store.model.geometry.parts[place]?.box));
-    const sizes = all.filter((size) => size > 0);
-    const own = Math.max(0.75 * diagonal(finding.extent), 1e-9);
-    if (sizes.length === 0) return own;
-    const [least, most] = [Math.min(...sizes), Math.max(...sizes)];
-    return Math.max(own, 0.12 * least, 0.05 * Math.sqrt(least * most));
-  }
-
-  private boxOf(finding: Finding, isWhole: boolean): Box {
-    const { parts } = this.store.model.geometry;
-    const own = finding.places.flatMap((place) => parts[place]?.box ?? []);
-    if (!isWhole && finding.extent !== undefined) return finding.extent;
-    return own.length === 0 ? this.whole : around(own);
-  }
-
   /** Moves the origin of the view to a finding, if it is too far for single precision. */
   private moveOrigin(finding: Finding | undefined): void {
-    const place = finding === undefined ? middle(this.whole) : placeOf(finding);
+    const place = finding === undefined ? middle(this.framing.whole) : placeOf(finding);
     if (place === undefined) return;
     const by = new Vector3(...this.placement.toView(place)).negate();
-    if (by.length() < MAX_OFFSET * this.reachOf(finding)) return;
+    if (by.length() < MAX_OFFSET * this.framing.reachOf(finding)) return;
     this.placement.origin = place;
     this.context.place();
     this.orbit.shift(by);
@@ -357,7 +337,7 @@ export class SceneView {
     const isFlying = this.orbit.update(now);
     const { camera } = this.orbit;
     if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
-    const reach = selected === undefined ? 1e30 : 2 * this.reachOf(selected);
+    const reach = selected === undefined ? 1e30 : 2 * this.framing.reachOf(selected);
     this.context.setPivot(this.pivot().applyMatrix4(camera.matrixWorldInverse), reach);
     const isThinned = this.resolution.isTooSlow && ratio < this.resolution.finest;
     if (isThinned !== this.isThinned) {
@@ -373,6 +353,6 @@ export class SceneView {
   }
 
   private reachFromOrigin(): number {
-    return Math.max(...this.whole.map((corner) => new Vector3(...this.placement.toView(corner)).length()));
+    return Math.max(...this.framing.whole.map((corner) => new Vector3(...this.placement.toView(corner)).length()));
   }
 }

@@ -18,7 +18,7 @@ use super::viewpoint::viewpoint;
 use crate::picture::{Axis, Gallery};
 
 /// Width and height of the pictures, in pixels.
-const SIZE: [u32; 2] = [800, 600];
+pub(super) const SIZE: [u32; 2] = [800, 600];
 
 /// How to write a BCF file.
 #[derive(Clone, Copy, Debug)]

@@ -83,17 +83,17 @@ fn fields(element: &mut Document, topic: &Topic<'_>, date: &str, version: BcfVer
 
 /// Writes the comment that names the viewpoint.
 fn comment(parent: &mut Document, topic: &Topic<'_>, date: &str) -> io::Result<()> {
-    let guid = topic.guid_of("comment").to_string();
+    let guid = topic.comment().to_string();
     element(parent, "Comment", &[("Guid", &guid)], |comment| {
         text(comment, "Date", date)?;
         text(comment, "Author", AUTHOR)?;
         text(comment, "Comment", &format!("The viewpoint shows it: {}.", topic.title))?;
-        empty(comment, "Viewpoint", &[("Guid", &topic.guid_of("viewpoint").to_string())])
+        empty(comment, "Viewpoint", &[("Guid", &topic.viewpoint().to_string())])
     })
 }
 
 fn viewpoint(parent: &mut Document, name: &str, topic: &Topic<'_>) -> io::Result<()> {
-    element(parent, name, &[("Guid", &topic.guid_of("viewpoint").to_string())], |viewpoint| {
+    element(parent, name, &[("Guid", &topic.viewpoint().to_string())], |viewpoint| {
         text(viewpoint, "Viewpoint", VIEWPOINT)?;
         text(viewpoint, "Snapshot", SNAPSHOT)
     })

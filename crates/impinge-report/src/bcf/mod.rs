@@ -6,7 +6,8 @@
 //!
 //! `topic` makes the topics, with their texts in `description` and `status`, in the coordinates of
 //! `frame`. `markup`, `viewpoint` and `project` write the files of the archive with `xml`, dated by
-//! `date`, and `archive` puts them together. `previous` reads an archive. Guarded by
+//! `date`, and `archive` puts them together. `previous` reads an archive. `page` has the topics
+//! for a page, which writes the same file with edited statuses. Guarded by
 //! `tests/cli/clash_bcf.rs` of `impinge-cli`.
 
 mod archive;
@@ -14,6 +15,7 @@ mod date;
 mod description;
 mod frame;
 mod markup;
+mod page;
 mod previous;
 mod project;
 mod status;
@@ -25,3 +27,5 @@ mod xml;
 pub use archive::{BcfOptions, write_bcf};
 pub use previous::{BcfError, is_bcf, load_previous_bcf, parse_previous_bcf};
 pub use version::BcfVersion;
+
+pub(crate) use page::PageBcf;

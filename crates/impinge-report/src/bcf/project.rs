@@ -5,6 +5,7 @@ use std::io;
 
 use impinge::clash::Status;
 use impinge_files::SceneAbout;
+use uuid::Uuid;
 
 use super::markup::AUTHOR;
 use super::status::topic_status;
@@ -30,10 +31,15 @@ pub(super) fn files(
     Ok(files)
 }
 
-fn project(scenes: &[SceneAbout], version: BcfVersion) -> io::Result<Vec<u8>> {
+/// Returns the identity and the name of the project of some scenes.
+pub(super) fn project_of(scenes: &[SceneAbout]) -> (Uuid, String) {
     let labels: Vec<&str> = scenes.iter().map(|scene| scene.label.as_str()).collect();
-    let name = labels.join(" + ");
-    let id = guid(&format!("project/{}", labels.join("/"))).to_string();
+    (guid(&format!("project/{}", labels.join("/"))), labels.join(" + "))
+}
+
+fn project(scenes: &[SceneAbout], version: BcfVersion) -> io::Result<Vec<u8>> {
+    let (id, name) = project_of(scenes);
+    let id = id.to_string();
     let project = |root: &mut Document| element(root, "Project", &[("ProjectId", &id)], |it| text(it, "Name", &name));
     match version {
         BcfVersion::V2 => document("ProjectExtension", &[], |root| {

@@ -28,6 +28,10 @@ pub(super) struct Topic<'r> {
     pub(super) shown: Shown<'r>,
     /// Two parts that the viewpoint shows.
     pub(super) parts: [&'r Member; 2],
+    /// Places of the topic's findings in a list of all sets of duplicates, and then all clashes.
+    pub(super) findings: Vec<usize>,
+    /// A line of the description for each part of a set of duplicates.
+    pub(super) part_lines: Vec<String>,
 }
 
 /// The subject of a viewpoint.
@@ -38,9 +42,14 @@ pub(super) enum Shown<'r> {
 }
 
 impl Topic<'_> {
-    /// Returns the identity of something that belongs to the topic.
-    pub(super) fn guid_of(&self, what: &str) -> Uuid {
-        Uuid::new_v5(&self.guid, what.as_bytes())
+    /// Returns the identity of the comment.
+    pub(super) fn comment(&self) -> Uuid {
+        Uuid::new_v5(&self.guid, b"comment")
+    }
+
+    /// Returns the identity of the viewpoint.
+    pub(super) fn viewpoint(&self) -> Uuid {
+        Uuid::new_v5(&self.guid, b"viewpoint")
     }
 }
 
@@ -66,11 +75,14 @@ pub(super) fn topics<'r>(report: &'r Report, about: &ReportAbout<'_>, unit: Unit
         [] => (0..report.clashes.len()).map(single).collect(),
         [Group { .. }, ..] => groups.collect(),
     };
-    let of_clashes = all.into_iter().map(|(name, title, clashes)| {
-        let clashes: Vec<&Clash> = clashes.into_iter().map(|at| &report.clashes[at]).collect();
-        of_clashes(&name, title, &clashes, about, unit)
+    let sets = report.duplicates.len();
+    let of_clashes = all.into_iter().map(|(name, title, places)| {
+        let clashes: Vec<&Clash> = places.iter().map(|&at| &report.clashes[at]).collect();
+        let findings = places.iter().map(|at| sets + at).collect();
+        Topic { findings, ..of_clashes(&name, title, &clashes, about, unit) }
     });
-    let of_sets = report.duplicates.iter().map(|set| of_duplicates(set, about));
+    let of_sets =
+        report.duplicates.iter().enumerate().map(|(at, set)| Topic { findings: vec![at], ..of_duplicates(set, about) });
     of_sets.chain(of_clashes).collect()
 }
 
@@ -105,6 +117,8 @@ fn of_clashes<'r>(name: &str, title: String, clashes: &[&'r Clash], about: &Repo
         description: lines.join("\n"),
         shown: Shown::Clash(worst),
         parts: [&worst.a, &worst.b],
+        findings: Vec::new(),
+        part_lines: Vec::new(),
     }
 }
 
@@ -112,7 +126,9 @@ fn of_duplicates<'r>(set: &'r DuplicateSet, about: &ReportAbout<'_>) -> Topic<'r
     let title = set.sentence();
     let mut lines = vec![format!("{title}.")];
     lines.extend(set.note.iter().map(|note| format!("{}: {note}", set.id)));
-    lines.extend(set.parts.iter().map(|part| format!("- {} ({})", part.in_words(), part.identity())));
+    let part_lines: Vec<String> =
+        set.parts.iter().map(|part| format!("- {} ({})", part.in_words(), part.identity())).collect();
+    lines.extend_from_slice(&part_lines);
     lines.extend([String::new(), duplicates_line(set)]);
     Topic {
         guid: guid(&set.id),
@@ -124,6 +140,8 @@ fn of_duplicates<'r>(set: &'r DuplicateSet, about: &ReportAbout<'_>) -> Topic<'r
         description: lines.join("\n"),
         shown: Shown::Duplicates(set),
         parts: [&set.parts[0], &set.parts[1]],
+        findings: Vec::new(),
+        part_lines,
     }
 }
 

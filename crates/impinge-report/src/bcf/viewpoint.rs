@@ -18,7 +18,7 @@ pub(super) fn viewpoint(
     version: BcfVersion,
     size: [u32; 2],
 ) -> io::Result<Vec<u8>> {
-    let guid = topic.guid_of("viewpoint").to_string();
+    let guid = topic.viewpoint().to_string();
     document("VisualizationInfo", &[("Guid", &guid)], |info| {
         element(info, "Components", &[], |components| {
             if version == BcfVersion::V2 {

@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::curves::Curves;
 use super::parts::Drawn;
 use super::{MAX_CURVES, MAX_TRIANGLES};
+use crate::bcf::PageBcf;
 use crate::picture::Axis;
 
 #[derive(Serialize)]
@@ -29,6 +30,9 @@ struct Facts<'f> {
     max_curves: usize,
     /// Largest distance between a corner and its drawn position, in world units.
     rounding: f64,
+    /// The topics of a BCF file, if the unit is known: BCF is in meters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bcf: Option<PageBcf>,
 }
 
 #[derive(Serialize)]
@@ -63,6 +67,7 @@ pub(super) fn json(
         max_triangles: MAX_TRIANGLES,
         max_curves: MAX_CURVES,
         rounding: drawn.error(),
+        bcf: about.unit.map(|unit| PageBcf::new(report, about, unit)),
     };
     serde_json::to_vec(&facts).map_err(io::Error::other)
 }
