@@ -12,8 +12,8 @@ use crate::failure::Failure;
 use crate::numerals::{count, counted};
 use crate::output;
 
-/// Maximum number of steps of a slider. More are closer than pixels, and each takes about 50 bytes
-/// for each link.
+/// Maximum number of steps of a slider, and of the contacts that it has beside them. More steps are
+/// closer than pixels, and each takes about 50 bytes for each link.
 const MAX_STEPS: usize = 240;
 
 /// Writes a page with the configurations that collide, or with all of them if none does.
@@ -60,45 +60,94 @@ pub(super) fn of_configurations(
     write(path, loaded, &steps, "Configuration", heading, rows)
 }
 
-/// Writes a page with a slider along a path.
+/// Writes a page with a slider along a path: steps at equal distances, and the contacts.
 ///
 /// # Errors
 /// Returns an error if the file cannot be written.
 pub(super) fn of_path(path: &Path, loaded: &Loaded, values: &[f64], legs: &[MotionCheck]) -> Result<(), Failure> {
     let columns = loaded.robot().coordinates().len();
-    let pieces = (MAX_STEPS / legs.len()).max(1);
-    let mut steps = Vec::new();
-    let mut rows = Vec::new();
-    for (at, leg) in legs.iter().enumerate().take(MAX_STEPS) {
-        let ends = &values[at * columns..(at + 2) * columns];
-        let mut times: Vec<(f64, bool)> = (0..=pieces).map(|piece| (piece as f64 / pieces as f64, false)).collect();
-        if at > 0 {
-            times.remove(0); // it is the end of the leg before
-        }
-        times.extend(leg.hit_at.map(|time| (time, true)));
-        times.sort_by(|a, b| a.0.total_cmp(&b.0));
-        steps.extend(times.into_iter().map(|(time, is_hit)| step(loaded, at, leg, ends, time, is_hit)));
-        if leg.verdict != robot::Verdict::Free {
-            let pair = leg
-                .collision
-                .map_or("nothing is proved after that".to_owned(), |collision| collision_text(loaded, &collision));
-            rows.push([format!("leg {}", count(at)), format!("proved free until {:.9}; {pair}", leg.free_until)]);
-        }
+    let spacing = Spacing::new(legs.len());
+    let ends = |leg: usize| &values[leg * columns..(leg + 2) * columns];
+    let steps: Vec<RobotStep> =
+        spacing.places(legs).iter().map(|place| step(loaded, place, &legs[place.leg], ends(place.leg))).collect();
+    let caught = legs.iter().enumerate().filter(|(_, leg)| leg.verdict != robot::Verdict::Free);
+    let all = caught.clone().count();
+    let mut rows = vec![["slider".to_owned(), spacing.in_words()]];
+    rows.extend(caught.take(MAX_STEPS).map(|(at, leg)| {
+        let after = match &leg.collision {
+            Some(collision) => collision_text(loaded, collision),
+            None => "nothing is proved after that".to_owned(),
+        };
+        [format!("leg {}", count(at)), format!("proved free until {:.9}; {after}", leg.free_until)]
+    }));
+    if all > MAX_STEPS {
+        rows.push(["listed".to_owned(), format!("the first {} that are not free", counted(MAX_STEPS, "leg"))]);
     }
-    if legs.len() > MAX_STEPS {
-        rows.push(["shown".to_owned(), format!("the first {}", counted(MAX_STEPS, "leg"))]);
-    }
-    let free = legs.iter().filter(|leg| leg.verdict == robot::Verdict::Free).count();
-    let heading = if free == legs.len() {
+    let heading = if all == 0 {
         format!("The path is free: {} proved", counted(legs.len(), "leg"))
     } else {
-        format!("{} of {} proved free", count(free), counted(legs.len(), "leg"))
+        format!("{} of {} proved free", count(legs.len() - all), counted(legs.len(), "leg"))
     };
     write(path, loaded, &steps, "Path", heading, rows)
 }
 
-/// Returns a step at a time of a leg, which goes from the first half of `ends` to the second.
-fn step(loaded: &Loaded, at: usize, leg: &MotionCheck, ends: &[f64], time: f64, is_hit: bool) -> RobotStep {
+/// Distances of the steps of a slider along a path.
+#[derive(Clone, Copy, Debug)]
+struct Spacing {
+    /// Number of steps of a leg.
+    pieces: usize,
+    /// Number of legs from one with steps to the next.
+    stride: usize,
+}
+
+/// A place on a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Place {
+    leg: usize,
+    /// Time from 0 at the start of the leg to 1 at its end.
+    time: f64,
+    is_contact: bool,
+}
+
+impl Spacing {
+    /// Chooses at most [`MAX_STEPS`] steps for a number of legs.
+    fn new(legs: usize) -> Self {
+        Self { pieces: (MAX_STEPS / legs).max(1), stride: legs.div_ceil(MAX_STEPS) }
+    }
+
+    /// Returns the places of the steps, of the end of the path and of the first contacts, in their
+    /// order on the path.
+    fn places(self, legs: &[MotionCheck]) -> Vec<Place> {
+        let mut places = Vec::new();
+        let mut contacts = 0;
+        for (leg, check) in legs.iter().enumerate() {
+            let first = places.len();
+            let mut add = |time, is_contact| places.push(Place { leg, time, is_contact });
+            if leg % self.stride == 0 {
+                (0..self.pieces).for_each(|piece| add(piece as f64 / self.pieces as f64, false));
+            }
+            if leg + 1 == legs.len() {
+                add(1.0, false);
+            }
+            if let Some(time) = check.hit_at.filter(|_| contacts < MAX_STEPS) {
+                contacts += 1;
+                add(time, true);
+            }
+            places[first..].sort_by(|a, b| a.time.total_cmp(&b.time));
+        }
+        places
+    }
+
+    fn in_words(self) -> String {
+        let legs =
+            if self.stride == 1 { "each leg".to_owned() } else { format!("every {}", counted(self.stride, "leg")) };
+        format!("{} for {legs}; the proof is about all times between them, too", counted(self.pieces, "step"))
+    }
+}
+
+/// Returns a step at a place of a leg, which goes from the first half of `ends` to the second.
+fn step(loaded: &Loaded, place: &Place, leg: &MotionCheck, ends: &[f64]) -> RobotStep {
+    let &Place { leg: at, time, is_contact: is_hit } = place;
     let (start, end) = ends.split_at(ends.len() / 2);
     let between = || start.iter().zip(end).map(|(a, b)| (1.0 - time) * a + time * b).collect();
     let name = format!("leg {}, {:.1} %", count(at), 100.0 * time);
@@ -142,4 +191,38 @@ fn write(
     };
     let page = RobotPage { robot: loaded.robot(), obstacles: loaded.scene.as_ref(), steps, slider };
     output::write(path, |out| write_robot_page(out, &page, &about))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn leg(hit_at: Option<f64>) -> MotionCheck {
+        let verdict = if hit_at.is_some() { robot::Verdict::Collides } else { robot::Verdict::Free };
+        MotionCheck {
+            verdict,
+            free_until: hit_at.unwrap_or(1.0),
+            hit_at,
+            collision: None,
+            hit: None,
+            certificate: None,
+        }
+    }
+
+    #[test]
+    fn a_slider_has_few_steps_on_paths_of_any_length() {
+        for legs in [1, 2, 7, 239, 240, 241, 5000] {
+            let spacing = Spacing::new(legs);
+            let checks: Vec<MotionCheck> = (0..legs).map(|at| leg((at % 3 == 1).then_some(0.501))).collect();
+            let places = spacing.places(&checks);
+            let contacts = places.iter().filter(|place| place.is_contact).count();
+            assert_eq!(contacts, checks.iter().filter(|leg| leg.hit_at.is_some()).count().min(MAX_STEPS));
+            let steps = places.len() - contacts;
+            assert!((MAX_STEPS / 2..=MAX_STEPS + 1).contains(&steps), "{legs} legs have {steps} steps");
+            let times: Vec<f64> = places.iter().map(|place| place.leg as f64 + place.time).collect();
+            assert!(times.is_sorted() && times[0] == 0.0 && times[times.len() - 1] == legs as f64);
+        }
+        assert!(Spacing::new(3).in_words().starts_with("80 steps for each leg;"));
+        assert!(Spacing::new(500).in_words().starts_with("1 step for every 3 legs;"));
+    }
 }
