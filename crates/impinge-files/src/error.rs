@@ -7,7 +7,7 @@ use std::{
 
 use impinge::character::RigErrorKind;
 
-use crate::{format::Format, plain::Plain, robot::RobotProblem};
+use crate::{format::Format, pieces::PieceProblem, plain::Plain, robot::RobotProblem, text::name};
 
 /// The error that a file could not be loaded: which file, where in it, what is wrong and what to
 /// do.
@@ -116,6 +116,13 @@ pub enum LoadErrorKind {
         /// The problem, with the name of the link or joint.
         problem: RobotProblem,
     },
+    /// An object of a planning scene cannot be made.
+    BrokenObject {
+        /// Name of the object.
+        object: String,
+        /// The problem of a shape of the object.
+        problem: PieceProblem,
+    },
     /// A file refers to another file outside its own folder.
     OutsideFolder {
         /// The reference, as it is written in the file.
@@ -219,8 +226,8 @@ impl LoadError {
 impl LoadErrorKind {
     /// Returns a short stable name: `io`, `not-a-file`, `unsupported-format`,
     /// `unsupported-feature`, `empty`, `wrong-content`, `truncated`, `syntax`, `non-finite`,
-    /// `index-out-of-bounds`, `too-many`, `corrupt`, `broken-rig`, `broken-robot` or
-    /// `outside-folder`.
+    /// `index-out-of-bounds`, `too-many`, `corrupt`, `broken-rig`, `broken-robot`, `broken-object`
+    /// or `outside-folder`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -238,6 +245,7 @@ impl LoadErrorKind {
             Self::Corrupt { .. } => "corrupt",
             Self::BrokenRig { .. } => "broken-rig",
             Self::BrokenRobot { .. } => "broken-robot",
+            Self::BrokenObject { .. } => "broken-object",
             Self::OutsideFolder { .. } => "outside-folder",
         }
     }
@@ -280,6 +288,7 @@ impl fmt::Display for LoadErrorKind {
             Self::Corrupt { what } => f.write_str(what),
             Self::BrokenRig { kind } => write!(f, "{kind}"),
             Self::BrokenRobot { problem } => write!(f, "{problem}"),
+            Self::BrokenObject { object, problem } => write!(f, "object {:?}: {problem}", name(object.as_bytes())),
             Self::OutsideFolder { uri } => write!(f, "{uri:?} is not a file inside this file's folder"),
         }
     }

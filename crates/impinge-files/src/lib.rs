@@ -1,6 +1,7 @@
 //! Reads triangle meshes, scenes, rigged characters and robots from files, for [`impinge`].
 //! Supported formats are OBJ, STL, PLY, OFF, glTF, 3MF and COLLADA, optionally compressed by gzip,
-//! and URDF with SRDF for robots. [Baked] meshes come with their hierarchy.
+//! URDF with SRDF for robots, and planning scenes of MoveIt. [Baked] meshes come with their
+//! hierarchy.
 //!
 //! ```no_run
 //! let model = impinge_files::load("bunny.obj")?;
@@ -68,7 +69,9 @@ mod non_finite;
 mod obj;
 mod off;
 mod packed;
+mod pieces;
 mod plain;
+mod planning_scene;
 mod ply;
 mod polygon;
 mod properties;
@@ -103,13 +106,13 @@ pub use format::Format;
 pub use limits::Limits;
 pub use model::{Model, Warning, WarningKind};
 pub use obj::{ObjPart, write_obj};
+pub use pieces::{DescriptionWarning, PieceProblem};
 pub use plain::escaped;
+pub use planning_scene::{PlanningScene, PlanningSceneOptions, is_planning_scene, load_planning_scene};
 pub use ply::write_ply;
 pub use regular_file::read_regular_file;
 pub use replace::replace_file;
-pub use robot::{
-    LoadedRobot, LoadedState, RobotGeometry, RobotGroup, RobotOptions, RobotProblem, RobotWarning, load_robot,
-};
+pub use robot::{LoadedRobot, LoadedState, RobotGeometry, RobotGroup, RobotOptions, RobotProblem, load_robot};
 pub use scene::{SceneOptions, load_scene, parse_scene};
 pub use scene_model::{SceneMesh, SceneModel, ScenePart};
 pub use unit::{Conversion, Unit, UnknownUnit};

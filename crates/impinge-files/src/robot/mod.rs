@@ -7,18 +7,15 @@
 //!   axes of a mesh are those of its file, also those of COLLADA: that is the convention of ROS.
 //! - Links and joints may be in any order.
 //!
-//! `urdf`, `geometry` and `attributes` read a URDF file, `packages` finds the meshes, `shapes`
-//! makes the shapes, and `srdf` reads an SRDF file. `audit` writes one.
+//! `urdf`, `geometry` and `attributes` read a URDF file, and `srdf` reads an SRDF file. `audit`
+//! writes one. The module `pieces` of the crate makes the shapes.
 
 mod attributes;
 mod audit;
 mod geometry;
-mod packages;
 mod problem;
-mod shapes;
 mod srdf;
 mod urdf;
-mod warning;
 
 use std::path::{Path, PathBuf};
 
@@ -27,18 +24,15 @@ use impinge::robot::{Link, Robot, RobotError};
 use crate::{
     error::{LoadError, LoadErrorKind},
     limits::Limits,
+    pieces::{Context, DescriptionWarning, Notes, Packages, Shapes},
     regular_file::read_regular_file,
     xml::{self, Encoding},
     xml_tree::Tree,
 };
-use packages::Packages;
-use shapes::Shapes;
 use urdf::Description;
-use warning::Notes;
 
 pub use problem::RobotProblem;
 pub use srdf::{LoadedState, RobotGroup};
-pub use warning::RobotWarning;
 
 /// The shapes that represent the links of a robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -79,7 +73,7 @@ pub struct LoadedRobot {
     /// Named states of the SRDF file.
     pub states: Vec<LoadedState>,
     /// Content that was skipped, guessed, or may surprise.
-    pub warnings: Vec<RobotWarning>,
+    pub warnings: Vec<DescriptionWarning>,
 }
 
 /// Loads a robot from a URDF file, with the meshes that it names, and optionally an SRDF file.
@@ -155,7 +149,12 @@ fn read_urdf(path: &Path, options: &RobotOptions, notes: &mut Notes<'_>) -> Resu
     let bare = |name: &String| Link { name: name.clone(), shape: None };
     Robot::new(names.iter().map(bare).collect(), joints.clone()).map_err(broken)?;
     let packages = Packages::new(path, &options.packages);
-    let mut shapes = Shapes::new(&tree, packages, options.geometry, &options.limits);
+    let context = Context {
+        noun: "link",
+        broken: |link, problem| LoadErrorKind::BrokenRobot { problem: RobotProblem::Link { link, problem } },
+        place: &|element| tree.place(element),
+    };
+    let mut shapes = Shapes::new(context, packages, options.geometry == RobotGeometry::Hull, &options.limits);
     let mut links = Vec::with_capacity(texts.len());
     let mut only_visual = Vec::new();
     for link in &texts {
@@ -163,7 +162,7 @@ fn read_urdf(path: &Path, options: &RobotOptions, notes: &mut Notes<'_>) -> Resu
         if link.collision.is_empty() && !link.visual.is_empty() {
             only_visual.push(link.name.as_str());
         }
-        links.push(Link { name: link.name.clone(), shape: shapes.of_link(&link.name, pieces, notes)? });
+        links.push(Link { name: link.name.clone(), shape: shapes.of(&link.name, pieces, notes)? });
     }
     if !only_visual.is_empty() && options.geometry != RobotGeometry::Visual {
         let message = format!("links without collision geometry, which cannot collide: {}", only_visual.join(", "));

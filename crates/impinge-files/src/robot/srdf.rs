@@ -4,9 +4,10 @@ use std::collections::{HashMap, HashSet};
 
 use impinge::robot::Robot;
 
-use super::{attributes::Element, warning::Notes};
+use super::attributes::Element;
 use crate::{
     error::{LoadError, LoadErrorKind},
+    pieces::Notes,
     xml_tree::{Id, Tree},
 };
 
@@ -63,7 +64,7 @@ pub(super) fn read(tree: &Tree<'_>, robot: &Robot, name: &str, notes: &mut Notes
     }
     let own = tree.attribute(root, "name").unwrap_or_default();
     if own.trim() != name.trim() {
-        notes.add(tree, root, format!("the robot is named {:?}, but {name:?} in the URDF", own.trim()));
+        notes.add(|| tree.place(root), format!("the robot is named {:?}, but {name:?} in the URDF", own.trim()));
     }
     let joints = robot.joints().iter().enumerate().map(|(at, joint)| (joint.name.as_str(), at)).collect();
     let above = robot.joints().iter().enumerate().map(|(at, joint)| (joint.child.as_str(), at)).collect();
@@ -81,7 +82,7 @@ impl Reader<'_, '_, '_, '_> {
 
     /// Adds a warning about a name that the URDF lacks.
     fn unknown(&mut self, id: Id, noun: &str, name: &str) {
-        self.notes.add(self.tree, id, format!("there is no {noun} {name:?} in the URDF, skipped"));
+        self.notes.add(|| self.tree.place(id), format!("there is no {noun} {name:?} in the URDF, skipped"));
     }
 
     fn groups(&mut self, root: Id) -> Result<Vec<RobotGroup>, LoadError> {
@@ -152,7 +153,7 @@ impl Reader<'_, '_, '_, '_> {
                     if ids.contains_key(&name) {
                         inner.push(name);
                     } else {
-                        self.notes.add(self.tree, id, format!("there is no group {name:?}, skipped"));
+                        self.notes.add(|| self.tree.place(id), format!("there is no group {name:?}, skipped"));
                     }
                 }
                 _ => {}
@@ -173,7 +174,7 @@ impl Reader<'_, '_, '_, '_> {
         while link != base {
             let Some(&joint) = self.above.get(link) else {
                 let message = format!("the link {base:?} is not above {tip:?}, so the chain is skipped");
-                self.notes.add(self.tree, id, message);
+                self.notes.add(|| self.tree.place(id), message);
                 return Ok(Vec::new());
             };
             joints.push(joint);
@@ -194,7 +195,7 @@ impl Reader<'_, '_, '_, '_> {
             let element = self.element(id, "");
             let (name, group) = (element.name("name")?, element.name("group")?);
             if !known.contains(group.as_str()) {
-                self.notes.add(self.tree, id, format!("there is no group {group:?}"));
+                self.notes.add(|| self.tree.place(id), format!("there is no group {group:?}"));
             }
             let subject = format!("state {name:?}");
             let mut values = Vec::new();
@@ -241,7 +242,7 @@ impl Reader<'_, '_, '_, '_> {
                 match [self.robot.link(&names[0]), self.robot.link(&names[1])] {
                     [Some(a), Some(b)] if a == b => {
                         let message = format!("the pair of the link {:?} with itself, skipped", names[0]);
-                        self.notes.add(self.tree, id, message);
+                        self.notes.add(|| self.tree.place(id), message);
                     }
                     [Some(a), Some(b)] => choices.push(([a, b], is_disabled.then_some(reason))),
                     [a, b] => {

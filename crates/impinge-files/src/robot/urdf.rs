@@ -2,13 +2,10 @@
 
 use impinge::robot::{Joint, JointKind, Mimic};
 
-use super::{
-    attributes::Element,
-    geometry::{self, Piece},
-    warning::Notes,
-};
+use super::{attributes::Element, geometry};
 use crate::{
     error::LoadError,
+    pieces::{Notes, Piece},
     xml_tree::{Id, Tree},
 };
 
@@ -118,7 +115,10 @@ fn joint(element: Element<'_, '_>, name: String, notes: &mut Notes<'_>) -> Resul
                 limits = Some([bound("lower")?, bound("upper")?]);
             }
             None => {
-                notes.add(element.tree, element.id, format!("{}: no limits; URDF requires them", element.subject));
+                notes.add(
+                    || element.tree.place(element.id),
+                    format!("{}: no limits; URDF requires them", element.subject),
+                );
             }
         }
     }

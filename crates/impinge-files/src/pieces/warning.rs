@@ -1,19 +1,17 @@
-//! Warnings about robot descriptions.
+//! Warnings about descriptions of robots and scenes.
 
 use std::{
     fmt,
     path::{Path, PathBuf},
 };
 
-use crate::{
-    error::Place,
-    xml_tree::{Id, Tree},
-};
+use crate::error::Place;
 
-/// Content of a robot description that was skipped, guessed, or may surprise a user.
+/// Content of the description of a robot or a scene that was skipped, guessed, or may surprise a
+/// user.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RobotWarning {
-    /// The URDF or SRDF file.
+pub struct DescriptionWarning {
+    /// The file.
     pub path: PathBuf,
     /// The place in it, if the warning has one.
     pub place: Option<Place>,
@@ -21,7 +19,7 @@ pub struct RobotWarning {
     pub message: String,
 }
 
-impl fmt::Display for RobotWarning {
+impl fmt::Display for DescriptionWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.path.display())?;
         if let Some(place) = &self.place {
@@ -36,34 +34,34 @@ impl fmt::Display for RobotWarning {
 const MAX_WARNINGS: usize = 1000;
 
 /// Collects the warnings about one file.
-pub(super) struct Notes<'p> {
+pub(crate) struct Notes<'p> {
     path: &'p Path,
-    warnings: Vec<RobotWarning>,
+    warnings: Vec<DescriptionWarning>,
 }
 
 impl<'p> Notes<'p> {
-    pub(super) fn new(path: &'p Path) -> Self {
+    pub(crate) fn new(path: &'p Path) -> Self {
         Self { path, warnings: Vec::new() }
     }
 
-    /// Adds a warning about an element.
-    pub(super) fn add(&mut self, tree: &Tree<'_>, element: Id, message: String) {
+    /// Adds a warning about an element, whose line `place` returns.
+    pub(crate) fn add(&mut self, place: impl FnOnce() -> Place, message: String) {
         // Finding a line takes time linear in the size of the file.
         if self.warnings.len() < MAX_WARNINGS {
-            self.push(Some(tree.place(element)), message);
+            self.push(Some(place()), message);
         }
     }
 
     /// Adds a warning about the whole file.
-    pub(super) fn add_about_all(&mut self, message: String) {
+    pub(crate) fn add_about_all(&mut self, message: String) {
         self.push(None, message);
     }
 
     fn push(&mut self, place: Option<Place>, message: String) {
-        self.warnings.push(RobotWarning { path: self.path.to_owned(), place, message });
+        self.warnings.push(DescriptionWarning { path: self.path.to_owned(), place, message });
     }
 
-    pub(super) fn into_vec(self) -> Vec<RobotWarning> {
+    pub(crate) fn into_vec(self) -> Vec<DescriptionWarning> {
         self.warnings
     }
 }

@@ -1,4 +1,4 @@
-//! Makes the shapes of links: primitives, and meshes that are loaded once each.
+//! Makes the shapes of links and objects: primitives, and meshes that are loaded once each.
 
 use std::{
     collections::HashMap,
@@ -9,28 +9,33 @@ use std::{
 
 use impinge::{InputError, Mesh, Pose, Positions, Shape, hull::Hull};
 
-use super::{
-    RobotGeometry,
-    geometry::{Form, Piece},
-    packages::Packages,
-    problem::RobotProblem,
-    warning::Notes,
-};
+use super::{Form, Piece, packages::Packages, problem::PieceProblem, warning::Notes};
 use crate::{
     collada::Axes,
-    error::{LoadError, LoadErrorKind},
+    error::{LoadError, LoadErrorKind, Place},
     limits::{Budget, Limits},
     load_with_axes,
     model::{Model, stored},
     unit::Unit,
-    xml_tree::Tree,
 };
 
-/// The meshes and hulls of a robot.
-pub(super) struct Shapes<'a> {
-    tree: &'a Tree<'a>,
+/// Noun and errors for the owners of pieces in a description, and the lines of its elements.
+#[derive(Clone, Copy)]
+pub(crate) struct Context<'a> {
+    /// Noun of an owner: `link` or `object`.
+    pub(crate) noun: &'static str,
+    /// Returns the error that a piece of an owner, which it names, cannot be made.
+    pub(crate) broken: fn(String, PieceProblem) -> LoadErrorKind,
+    /// Returns the line of an element.
+    pub(crate) place: &'a dyn Fn(usize) -> Place,
+}
+
+/// The meshes and hulls of a description.
+pub(crate) struct Shapes<'a> {
+    context: Context<'a>,
     packages: Packages<'a>,
-    geometry: RobotGeometry,
+    /// Whether meshes stand for their convex hulls.
+    has_hulls: bool,
     limits: &'a Limits,
     models: HashMap<PathBuf, Arc<Model>>,
     /// Shapes by the path of the mesh and the bits of its scale.
@@ -45,34 +50,38 @@ pub(super) struct Shapes<'a> {
 }
 
 impl<'a> Shapes<'a> {
-    pub(super) fn new(tree: &'a Tree<'a>, packages: Packages<'a>, geometry: RobotGeometry, limits: &'a Limits) -> Self {
+    pub(crate) fn new(context: Context<'a>, packages: Packages<'a>, has_hulls: bool, limits: &'a Limits) -> Self {
         let (models, made) = (HashMap::new(), HashMap::new());
-        Self { tree, packages, geometry, limits, models, made, bytes: 0, copied_corners: 0, guessed: Vec::new() }
+        Self { context, packages, has_hulls, limits, models, made, bytes: 0, copied_corners: 0, guessed: Vec::new() }
     }
 
-    /// Returns the shape of a link: the union of its pieces, or `None` if there are no pieces.
-    pub(super) fn of_link(
+    /// Returns the union of the pieces of an owner, or `None` if there are no pieces.
+    pub(crate) fn of(
         &mut self,
-        link: &str,
+        owner: &str,
         pieces: &[Piece],
         notes: &mut Notes<'_>,
     ) -> Result<Option<Shape>, LoadError> {
+        let place = self.context.place;
         let mut parts = Vec::with_capacity(pieces.len());
         for piece in pieces {
-            let shape = self.of_piece(link, piece, notes).map_err(|error| error.at(self.tree.place(piece.element)))?;
-            parts.push((shape, piece.link_from_piece));
+            let shape = self.of_piece(owner, piece, notes).map_err(|error| error.at(place(piece.element)))?;
+            parts.push((shape, piece.pose));
         }
         match &parts[..] {
             [] => Ok(None),
             [(shape, Pose::IDENTITY)] => Ok(Some(shape.clone())),
-            _ => Shape::compound(&parts).map(Some).map_err(|error| invalid(link, error)),
+            _ => Shape::compound(&parts)
+                .map(Some)
+                .map_err(|error| self.invalid(owner, error).at(place(pieces[0].element))),
         }
     }
 
-    fn of_piece(&mut self, link: &str, piece: &Piece, notes: &mut Notes<'_>) -> Result<Shape, LoadError> {
+    fn of_piece(&mut self, owner: &str, piece: &Piece, notes: &mut Notes<'_>) -> Result<Shape, LoadError> {
         let made = match piece.form {
             Form::Box(size) => Shape::cuboid(size.map(|x| 0.5 * x)),
             Form::Cylinder(radius, length) => Shape::cylinder(0.5 * length, radius),
+            Form::Cone(radius, length) => Shape::cone(0.5 * length, radius),
             Form::Sphere(radius) => Shape::sphere([0.0; 3], radius),
             Form::Capsule(radius, length) => {
                 let end = 0.5 * length;
@@ -83,33 +92,35 @@ impl<'a> Shapes<'a> {
                     Shape::capsule([0.0, 0.0, -end], [0.0, 0.0, end], radius)
                 }
             }
-            Form::Mesh(ref uri, scale) => return self.of_mesh(link, uri, scale, piece, notes),
+            Form::File(ref uri, scale) => return self.of_file(owner, uri, scale, piece, notes),
+            Form::Mesh(ref positions, ref faces) => Mesh::new(positions.clone(), faces.clone()).map(|mesh| {
+                let shape = shape_of(&mesh);
+                self.note(owner, "the mesh", &shape, piece, notes);
+                shape
+            }),
         };
-        made.map_err(|error| invalid(link, error))
+        made.map_err(|error| self.invalid(owner, error))
     }
 
-    fn of_mesh(
+    fn of_file(
         &mut self,
-        link: &str,
+        owner: &str,
         uri: &str,
         scale: [f64; 3],
         piece: &Piece,
         notes: &mut Notes<'_>,
     ) -> Result<Shape, LoadError> {
         if scale.contains(&0.0) {
-            return Err(broken(RobotProblem::ZeroScale { link: link.to_owned() }));
+            return Err(self.broken(owner, PieceProblem::ZeroScale));
         }
         if uri.starts_with("http://") || uri.starts_with("https://") {
             return Err(LoadError::unsupported(format!("the mesh {uri:?} from a server")));
         }
-        let found = self.packages.find(uri).map_err(|lost| broken(lost.problem(link, uri)))?;
+        let found = self.packages.find(uri).map_err(|lost| self.broken(owner, PieceProblem::lost(lost, uri)))?;
         if let Some(package) = found.guessed.filter(|package| !self.guessed.contains(package)) {
             let folder = found.path.display();
-            notes.add(
-                self.tree,
-                piece.element,
-                format!("guessed where the package {package:?} is: {folder} was found"),
-            );
+            let message = format!("guessed where the package {package:?} is: {folder} was found");
+            notes.add(|| (self.context.place)(piece.element), message);
             self.guessed.push(package);
         }
         let key = (found.path, scale.map(f64::to_bits));
@@ -118,17 +129,32 @@ impl<'a> Shapes<'a> {
         }
         let model = self.model(&key.0).map_err(|error| match error.kind() {
             LoadErrorKind::TooMany { .. } => error,
-            _ => broken(RobotProblem::Mesh { link: link.to_owned(), message: error.to_string() }),
+            _ => self.broken(owner, PieceProblem::Mesh { message: error.to_string() }),
         })?;
-        let shape = make(&model, scale, self.geometry).map_err(|error| invalid(link, error))?;
-        if model.faces.is_empty() {
-            notes.add(self.tree, piece.element, format!("link {link:?}: the mesh {uri:?} has no faces"));
-        } else if shape.as_mesh().is_some_and(|(_, is_solid)| !is_solid) {
-            let message = format!("link {link:?}: the mesh {uri:?} is open, so only its surface is checked");
-            notes.add(self.tree, piece.element, message);
-        }
+        let shape = make(&model, scale, self.has_hulls).map_err(|error| self.invalid(owner, error))?;
+        self.note(owner, &format!("the mesh {uri:?}"), &shape, piece, notes);
         self.made.insert(key, shape.clone());
         Ok(shape)
+    }
+
+    /// Warns if a mesh has no faces or is open.
+    fn note(&self, owner: &str, mesh: &str, shape: &Shape, piece: &Piece, notes: &mut Notes<'_>) {
+        let Some((faces, is_solid)) = shape.as_mesh() else { return };
+        let problem = match (faces.faces().is_empty(), is_solid) {
+            (true, _) => "has no faces",
+            (false, false) => "is open, so only its surface is checked",
+            (false, true) => return,
+        };
+        let message = format!("{} {owner:?}: {mesh} {problem}", self.context.noun);
+        notes.add(|| (self.context.place)(piece.element), message);
+    }
+
+    fn broken(&self, owner: &str, problem: PieceProblem) -> LoadError {
+        LoadError::new((self.context.broken)(owner.to_owned(), problem))
+    }
+
+    fn invalid(&self, owner: &str, error: InputError) -> LoadError {
+        self.broken(owner, PieceProblem::Shape { error })
     }
 
     fn model(&mut self, path: &Path) -> Result<Arc<Model>, LoadError> {
@@ -145,10 +171,15 @@ impl<'a> Shapes<'a> {
     }
 }
 
-/// Returns the shape of a mesh file: closed meshes are solids.
-fn make(model: &Model, scale: [f64; 3], geometry: RobotGeometry) -> Result<Shape, InputError> {
+/// Returns a mesh as a shape: closed meshes are solids.
+fn shape_of(mesh: &Mesh) -> Shape {
+    if mesh.is_closed() { Shape::solid(mesh) } else { Shape::mesh(mesh) }
+}
+
+/// Returns the shape of a mesh file, or its convex hull.
+fn make(model: &Model, scale: [f64; 3], has_hulls: bool) -> Result<Shape, InputError> {
     let positions = scaled(&model.positions, model.unit, scale);
-    if geometry == RobotGeometry::Hull && !model.faces.is_empty() {
+    if has_hulls && !model.faces.is_empty() {
         let hull = match &positions {
             Positions::F32(rows) => Hull::new(rows),
             Positions::F64(rows) => Hull::new(rows),
@@ -158,8 +189,7 @@ fn make(model: &Model, scale: [f64; 3], geometry: RobotGeometry) -> Result<Shape
     // A scale that mirrors turns the outside of each face inwards.
     let mirrors = scale.iter().filter(|x| **x < 0.0).count() % 2 == 1;
     let face = |&[a, b, c]: &[u32; 3]| if mirrors { [a, c, b] } else { [a, b, c] };
-    let mesh = Mesh::new(positions, model.faces.iter().map(face).collect::<Vec<_>>())?;
-    Ok(if mesh.is_closed() { Shape::solid(&mesh) } else { Shape::mesh(&mesh) })
+    Ok(shape_of(&Mesh::new(positions, model.faces.iter().map(face).collect::<Vec<_>>())?))
 }
 
 /// Returns the positions in meters, times a scale.
@@ -177,12 +207,4 @@ fn scaled(positions: &Positions, unit: Option<Unit>, scale: [f64; 3]) -> Positio
         std::array::from_fn(|k| in_meters(row[k]) * scale[k])
     });
     stored(rows.collect())
-}
-
-fn broken(problem: RobotProblem) -> LoadError {
-    LoadError::new(LoadErrorKind::BrokenRobot { problem })
-}
-
-fn invalid(link: &str, error: InputError) -> LoadError {
-    broken(RobotProblem::Shape { link: link.to_owned(), error })
 }

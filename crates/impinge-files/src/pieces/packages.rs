@@ -1,4 +1,4 @@
-//! Finds the files that a robot description refers to.
+//! Finds the files that the description of a robot or a scene refers to.
 
 use std::{
     env,
@@ -8,13 +8,11 @@ use std::{
 
 use percent_encoding::percent_decode_str;
 
-use super::problem::RobotProblem;
-
 /// Maximum number of folders above the description in which a package is searched.
 const MAX_ABOVE: usize = 32;
 
 /// The folders in which files are searched.
-pub(super) struct Packages<'a> {
+pub(crate) struct Packages<'a> {
     /// Folder of the description.
     folder: PathBuf,
     /// Packages whose folder the caller knows.
@@ -38,20 +36,10 @@ pub(super) enum Lost {
     Ambiguous(Vec<PathBuf>),
 }
 
-impl Lost {
-    pub(super) fn problem(self, link: &str, uri: &str) -> RobotProblem {
-        let (link, uri) = (link.to_owned(), uri.to_owned());
-        match self {
-            Self::Missing(tried) => RobotProblem::MissingMesh { link, uri, tried },
-            Self::Ambiguous(candidates) => RobotProblem::AmbiguousMesh { link, uri, candidates },
-        }
-    }
-}
-
 impl<'a> Packages<'a> {
     /// Returns the folders of a description, with those of `ROS_PACKAGE_PATH` and
     /// `AMENT_PREFIX_PATH`.
-    pub(super) fn new(description: &Path, known: &'a [(String, PathBuf)]) -> Self {
+    pub(crate) fn new(description: &Path, known: &'a [(String, PathBuf)]) -> Self {
         let paths = |name: &str| {
             let value = env::var_os(name).unwrap_or_default();
             env::split_paths(&value).filter(|path| !path.as_os_str().is_empty()).collect::<Vec<_>>()
