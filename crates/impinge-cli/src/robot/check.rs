@@ -10,7 +10,7 @@ use impinge::scene::Stop;
 use impinge_report::picture::{Axis, RobotView, robot};
 use serde::Serialize;
 
-use super::load::{Loaded, RobotArguments, Surroundings, failure};
+use super::load::{Configurations, Loaded, RobotArguments, Surroundings, View, failure};
 use super::{page, rows};
 use crate::failure::Failure;
 use crate::numerals::{count, counted, short_time, time};
@@ -29,14 +29,10 @@ pub(super) struct Arguments {
     robot: RobotArguments,
     #[command(flatten)]
     surroundings: Surroundings,
-    /// Configurations: a .csv file, which may begin with the names of the joints, or a .npy file
-    #[arg(long, value_name = "FILE")]
-    configs: PathBuf,
-    /// Write a page for a browser to an .html file: the robot in the configurations that collide
-    ///
-    /// The page needs no other file and no network.
-    #[arg(long, value_name = "OUT")]
-    view: Option<PathBuf>,
+    #[command(flatten)]
+    configurations: Configurations,
+    #[command(flatten)]
+    page: View,
     /// Find all pairs that collide, not only the first of each configuration
     #[arg(long)]
     all: bool,
@@ -78,17 +74,17 @@ struct Seconds {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
-    if let Some(path) = &arguments.view {
-        output::validate_page(path, &[&arguments.configs])?;
+    if let Some(path) = &arguments.page.view {
+        output::validate_page(path, &[&arguments.configurations.configs])?;
     }
     if let Some(picture) = &arguments.picture {
-        output::validate(picture, &[&arguments.configs])?;
+        output::validate(picture, &[&arguments.configurations.configs])?;
         if output::extension(picture) != "png" {
             return Err(output::unknown_extension(picture, ".png"));
         }
     }
     let loaded = arguments.robot.load(Some(&arguments.surroundings))?;
-    let values = rows::read(&arguments.configs, loaded.robot())?;
+    let values = rows::read(&arguments.configurations.configs, loaded.robot())?;
     let stop = if arguments.all { Stop::All } else { Stop::First };
     let options = arguments.surroundings.options(&loaded, stop)?;
     let columns = loaded.robot().coordinates().len().max(1);
@@ -99,7 +95,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let seconds = Seconds { load: loaded.seconds, check: start.elapsed().as_secs_f64() };
     drop(bar);
     let found = found.map_err(|error| failure(&error))?.values;
-    if let Some(path) = &arguments.view {
+    if let Some(path) = &arguments.page.view {
         page::of_configurations(path, &loaded, &values, &found)?;
     }
     let is_free = found.iter().all(Vec::is_empty);

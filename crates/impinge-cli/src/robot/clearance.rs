@@ -1,7 +1,6 @@
 //! `impinge robot clearance`: how far configurations are from a collision.
 
 use std::fmt::Write;
-use std::path::PathBuf;
 
 use clap::Args;
 use impinge::query::batch::Execution;
@@ -9,7 +8,7 @@ use impinge::robot::{Clearance, ClearanceOptions};
 use impinge::scene::Stop;
 use serde::Serialize;
 
-use super::load::{Loaded, RobotArguments, Surroundings, failure};
+use super::load::{Configurations, Loaded, RobotArguments, Surroundings, failure};
 use super::rows;
 use crate::failure::Failure;
 use crate::numerals::{count, counted, length, time};
@@ -28,9 +27,8 @@ pub(super) struct Arguments {
     robot: RobotArguments,
     #[command(flatten)]
     surroundings: Surroundings,
-    /// Configurations: a .csv file, which may begin with the names of the joints, or a .npy file
-    #[arg(long, value_name = "FILE")]
-    configs: PathBuf,
+    #[command(flatten)]
+    configurations: Configurations,
     /// Distance in meters beyond which clearances do not matter
     #[arg(long, value_name = "D", default_value_t = f64::INFINITY)]
     limit: f64,
@@ -66,7 +64,7 @@ struct Seconds {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let loaded = arguments.robot.load(Some(&arguments.surroundings))?;
-    let values = rows::read(&arguments.configs, loaded.robot())?;
+    let values = rows::read(&arguments.configurations.configs, loaded.robot())?;
     let check = arguments.surroundings.options(&loaded, Stop::First)?;
     if check.self_padding != 0.0 || check.padding.iter().any(|padding| *padding != 0.0) {
         return Err(

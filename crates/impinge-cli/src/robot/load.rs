@@ -1,12 +1,15 @@
 //! The robot and the obstacles of a question, from files and options.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use impinge::robot::{CheckError, CheckOptions, Collision, ConfigurationError, Other, Robot};
 use impinge::scene::{Scene, Stop};
 use impinge::{Mesh, Shape};
-use impinge_files::{LoadedRobot, RobotGeometry, RobotOptions, SceneOptions, Unit, load_robot, load_scene};
+use impinge_files::{
+    LoadedRobot, PlanningSceneOptions, RobotGeometry, RobotOptions, SceneOptions, Unit, is_planning_scene,
+    load_planning_scene, load_robot, load_scene,
+};
 
 use crate::check::timed;
 use crate::console;
@@ -46,7 +49,8 @@ enum Geometry {
 /// Obstacles and clearances.
 #[derive(Args)]
 pub(super) struct Surroundings {
-    /// Obstacles: a scene in glTF, GLB or any format of meshes, in the frame of the root link
+    /// Obstacles in the frame of the root link: a scene in glTF, GLB or any format of meshes, or a
+    /// planning scene of MoveIt (.yaml, .yml or .scene)
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
     /// Distance that links keep from obstacles: for all links, or for one; may be repeated
@@ -55,6 +59,24 @@ pub(super) struct Surroundings {
     /// Distance that links keep from each other
     #[arg(long, value_name = "D", default_value_t = 0.0, allow_hyphen_values = true)]
     self_padding: f64,
+}
+
+/// Configurations that are checked.
+#[derive(Args)]
+pub(super) struct Configurations {
+    /// Configurations: a .csv file, which may begin with the names of the joints, or a .npy file
+    #[arg(long, value_name = "FILE")]
+    pub(super) configs: PathBuf,
+}
+
+/// A page for a browser.
+#[derive(Args)]
+pub(super) struct View {
+    /// Write a page for a browser to an .html file: the robot in its configurations, with a slider
+    ///
+    /// Of configurations the page shows those that collide. It needs no other file and no network.
+    #[arg(long, value_name = "OUT")]
+    pub(super) view: Option<PathBuf>,
 }
 
 /// A robot and obstacles.
@@ -86,18 +108,29 @@ impl RobotArguments {
         let load = || -> Result<_, Failure> {
             let robot = load_robot(&self.urdf, &options)?;
             let path = surroundings.and_then(|surroundings| surroundings.scene.as_ref());
-            let Some(path) = path else { return Ok((robot, None)) };
-            let model = load_scene(path, &SceneOptions { unit: Some(Unit::Meter), ..SceneOptions::default() })?;
-            model.warnings.iter().for_each(|warning| console::warn(&format!("{}: {warning}", path.display())));
-            // The inside of an open mesh is not known, so it is its surface, as in a robot.
-            let shape = |mesh: &Mesh| if mesh.is_closed() { Shape::from(mesh.solid()) } else { Shape::from(mesh) };
-            let scene = model.into_scene(shape).map_err(|error| Failure::from(error).in_file(path))?;
-            Ok((robot, Some(scene)))
+            let scene = path.map(|path| self.load_obstacles(path, &robot.robot)).transpose()?;
+            Ok((robot, scene))
         };
         let (loaded, seconds) = timed("loading", load);
         let (robot, scene) = loaded?;
         robot.warnings.iter().for_each(|warning| console::warn(&warning.to_string()));
         Ok(Loaded { robot, scene, seconds })
+    }
+
+    fn load_obstacles(&self, path: &Path, robot: &Robot) -> Result<Scene, Failure> {
+        if is_planning_scene(path) {
+            let frame = Some(robot.links()[robot.root()].name.clone());
+            let options =
+                PlanningSceneOptions { packages: self.packages.clone(), frame, ..PlanningSceneOptions::default() };
+            let planning = load_planning_scene(path, &options)?;
+            planning.warnings.iter().for_each(|warning| console::warn(&warning.to_string()));
+            return Ok(planning.scene);
+        }
+        let model = load_scene(path, &SceneOptions { unit: Some(Unit::Meter), ..SceneOptions::default() })?;
+        model.warnings.iter().for_each(|warning| console::warn(&format!("{}: {warning}", path.display())));
+        // The inside of an open mesh is not known, so it is its surface, as in a robot.
+        let shape = |mesh: &Mesh| if mesh.is_closed() { Shape::from(mesh.solid()) } else { Shape::from(mesh) };
+        model.into_scene(shape).map_err(|error| Failure::from(error).in_file(path))
     }
 }
 

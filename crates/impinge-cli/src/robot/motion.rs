@@ -10,7 +10,7 @@ use impinge::robot::{MotionCheck, MotionOptions};
 use impinge::scene::Stop;
 use serde::Serialize;
 
-use super::load::{Loaded, RobotArguments, Surroundings, failure};
+use super::load::{Loaded, RobotArguments, Surroundings, View, failure};
 use super::{page, rows};
 use crate::failure::Failure;
 use crate::numerals::{count, counted, time};
@@ -33,11 +33,8 @@ pub(super) struct Arguments {
     /// .npy file
     #[arg(long, value_name = "FILE")]
     path: PathBuf,
-    /// Write a page for a browser to an .html file: the robot on the path, with a slider
-    ///
-    /// The page needs no other file and no network.
-    #[arg(long, value_name = "OUT")]
-    view: Option<PathBuf>,
+    #[command(flatten)]
+    page: View,
     /// Maximum number of configurations that are examined for each leg of the path
     #[arg(long, value_name = "N", default_value_t = 1 << 17)]
     max_steps: usize,
@@ -74,7 +71,7 @@ struct Seconds {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
-    if let Some(path) = &arguments.view {
+    if let Some(path) = &arguments.page.view {
         output::validate_page(path, &[&arguments.path])?;
     }
     let loaded = arguments.robot.load(Some(&arguments.surroundings))?;
@@ -95,7 +92,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Verdict, Failure> {
     let seconds = Seconds { load: loaded.seconds, proof: start.elapsed().as_secs_f64() };
     drop(bar);
     let found = found.map_err(|error| failure(&error))?.values;
-    if let Some(path) = &arguments.view {
+    if let Some(path) = &arguments.page.view {
         page::of_path(path, &loaded, &values, &found)?;
     }
     let verdict = verdict(&found);

@@ -56,6 +56,34 @@ fn check_finds_the_configurations_that_collide() {
 }
 
 #[test]
+fn planning_scenes_are_obstacles() {
+    let folder = folder();
+    let object = |frame: &str, z: f64| {
+        format!(
+            "world: {{collision_objects: [{{id: shelf, header: {{frame_id: {frame}}}, primitives: [{{type: box, \
+             dimensions: [9, 9, 0.5]}}], primitive_poses: [{{position: [0, 0, {z}]}}]}}]}}\n"
+        )
+    };
+    folder.write("free.csv", "0,0,0,0,0\n");
+    folder.write("high.yaml", &object("base", 99.0));
+    folder.write("low.yaml", &object("base", 0.5));
+    folder.write("far.scene", "far\n* ball\n1\nsphere\n0.5\n99 0 0\n0 0 0 1\n0 0 0 0\n.\n");
+    for (scene, code) in [("high.yaml", 0), ("low.yaml", 1), ("far.scene", 0)] {
+        let run = ask(&folder, "check", &format!("--configs free.csv --scene {scene} --all --json"));
+        assert_eq!((run.code, run.stderr.as_str()), (code, ""), "{scene}: {run:?}");
+        assert_eq!(run.stdout.contains("\"other\":\"shelf\""), code == 1, "{run:?}");
+    }
+    folder.write("high.yaml", &object("world", 99.0));
+    let warned = ask(&folder, "check", "--configs free.csv --scene high.yaml");
+    assert_eq!(warned.code, 0);
+    assert!(warned.stderr.contains("high.yaml, line 1: the frame \"world\" is not known"), "{warned:?}");
+    folder.write("bad.yaml", "world:\n  collision_objects:\n  - id: shelf\n    planes: [{}]\n");
+    let refused = ask(&folder, "check", "--configs free.csv --scene bad.yaml");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("bad.yaml, line 4: needs the plane of object \"shelf\""), "{refused:?}");
+}
+
+#[test]
 fn motion_proves_legs_and_finds_the_first_contact() {
     let folder = folder();
     let run = ask(&folder, "motion", "--path path.csv --json");
