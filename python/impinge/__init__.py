@@ -42,6 +42,7 @@ from impinge._pairs import Pairs
 from impinge._part_bodies import PartBodies
 from impinge._penetration import Penetration, penetration
 from impinge._picture import Picture
+from impinge._planning_scene import load_planning_scene
 from impinge._points import ClosestPoint, RayHit, RayHits
 from impinge._pose import pose
 from impinge._robot import Robot
@@ -146,6 +147,7 @@ __all__ = [
     "intersects",
     "limit",
     "load",
+    "load_planning_scene",
     "load_scene",
     "minimal_sphere",
     "partition",

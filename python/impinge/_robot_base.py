@@ -67,7 +67,9 @@ class RobotBase:
         for name in places:
             known(name, parts, "part", "poses")
         solid = scene is not None and scene._solid
-        obstacles = [(name, part, solid, places.get(name)) for name, part in parts.items()]
+        own = {} if scene is None else scene._poses
+        placed = {**own, **{name: pose for name, pose in places.items() if pose is not None}}
+        obstacles = [(name, part, solid, placed.get(name)) for name, part in parts.items()]
         numbers = {name: at for at, name in enumerate(parts)}
         links = {name: at for at, name in enumerate(self.links)}
         pairs = pairs_of(ignored)

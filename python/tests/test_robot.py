@@ -95,6 +95,66 @@ def test_obstacles_and_clearances_equal_single_queries():
         assert any("block" in pair for row in range(200) for pair in report.names(row))
 
 
+def test_obstacles_have_their_poses_in_the_scene():
+    q = configurations(GANTRY, 100, 2)
+    parts = {"block": impinge.Mesh(*cube()), "ball": Shape.sphere(0.3)}
+    places = {"block": pose([0.6, 0, 1.2]), "ball": pose([0, 0.6, 0.5])}
+    scene, bare = impinge.Scene(parts, poses=places), impinge.Scene(parts)
+    own = GANTRY.check(q, scene, stop="all")
+    stated = GANTRY.check(q, bare, poses=places, stop="all")
+    assert [own.names(row) for row in range(100)] == [stated.names(row) for row in range(100)]
+    assert own.counts() != GANTRY.check(q, bare, stop="all").counts()
+    # A pose of the call replaces that of the scene; None keeps it.
+    moved = {"block": pose([9, 9, 9]), "ball": None}
+    partly = GANTRY.clearance(q, scene, poses=moved).lower
+    assert np.array_equal(partly, GANTRY.clearance(q, bare, poses={**places, "block": moved["block"]}).lower)
+    motion = GANTRY.check_motion(q[:20], q[20:40], scene)
+    assert np.array_equal(motion.verdict, GANTRY.check_motion(q[:20], q[20:40], bare, poses=places).verdict)
+
+
+def test_planning_scenes_are_obstacles(tmp_path):
+    (tmp_path / "cell").mkdir()
+    corners, faces = cube()
+    lines = [f"v {' '.join(map(str, row))}" for row in corners] + [f"f {' '.join(map(str, row + 1))}" for row in faces]
+    (tmp_path / "cell" / "cube.obj").write_text("\n".join(lines))
+    text = """
+    world:
+      collision_objects:
+      - header: {frame_id: base}
+        id: shelf
+        pose: {position: [0.6, 0, 1.2], orientation: [0, 0, 0, 1]}
+        primitives:
+        - {type: box, dimensions: [0.4, 0.6, 0.2]}
+        - {type: cylinder, dimensions: [0.5, 0.1]}
+        primitive_poses: [{position: [0, 0, 0]}, {position: [0, 0, 0.3]}]
+      - id: block
+        meshes: [{resource: "package://cell/cube.obj", dimensions: [0.5, 0.5, 0.5]}]
+        mesh_poses: [{position: [0, 0.6, 0.5]}]
+    """
+    path = tmp_path / "scene.yaml"
+    path.write_text(text)
+    scene = impinge.load_planning_scene(path, {"cell": tmp_path / "cell"}, "base")
+    shelf = Shape.compound([(Shape.box([0.2, 0.3, 0.1]), None), (Shape.cylinder(0.25, 0.1), pose([0, 0, 0.3]))])
+    block = Shape.mesh(impinge.Mesh(0.5 * np.asarray(corners), faces), solid=True)
+    places = {"shelf": pose([0.6, 0, 1.2]), "block": pose([0, 0.6, 0.5])}
+    same = impinge.Scene({"shelf": shelf, "block": block}, poses=places)
+    q = configurations(GANTRY, 100, 3)
+    expected = GANTRY.check(q, same, stop="all")
+    for found in (scene, impinge.Scene(pickle.loads(pickle.dumps(scene.parts)), poses=scene.poses)):
+        report = GANTRY.check(q, found, stop="all")
+        assert [report.names(row) for row in range(100)] == [expected.names(row) for row in range(100)]
+    assert any("shelf" in pair for pair in expected.counts())
+    path.write_text("world: {collision_objects: [{id: a, planes: [{coef: [0, 0, 1, 0]}]}]}")
+    with pytest.raises(impinge.InputError, match=r"line 1: needs the plane of object .a., which is not supported"):
+        impinge.load_planning_scene(path)
+    path.write_text("[{id: a, header: {frame_id: x}}]")
+    with pytest.warns(impinge.LoadWarning) as caught:
+        assert list(impinge.load_planning_scene(path, frame="base").parts) == []
+    assert len(caught) == 2
+    with pytest.raises(impinge.InputError, match="must be a mapping"):
+        impinge.load_planning_scene(path, packages=["cell"])
+
+
 def test_robots_of_parts_and_their_copies():
     bar, tip = Shape.capsule([0, 0, 0], [1, 0, 0], 0.05), pose([1, 0, 0])
     joints = [

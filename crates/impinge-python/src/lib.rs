@@ -33,6 +33,7 @@ mod pace;
 mod partition_queries;
 mod partitions;
 mod pictures;
+mod planning_scene;
 mod points;
 mod poses;
 mod question;
@@ -113,6 +114,8 @@ mod _impinge {
     use super::partitions::{PartitionCore, box_pairs};
     #[pymodule_export]
     use super::pictures::{picture_of_pair, picture_of_robot, picture_of_scene, to_png};
+    #[pymodule_export]
+    use super::planning_scene::PlanningSceneFile;
     #[pymodule_export]
     use super::points::{closest_point, contains, signed_distance, winding_number};
     #[pymodule_export]

@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use impinge::Shape;
 use impinge::robot::{ConfigurationError, IgnoredReason, Robot};
-use impinge::{Pose, Shape};
 use impinge_files::{Limits, LoadedRobot, LoadedState, RobotGeometry, RobotOptions, load_robot};
 use pyo3::prelude::*;
 
 use crate::arrays::{plain_column, row_array};
 use crate::errors::{Fault, load_error};
+use crate::motions::matrix;
 use crate::workers;
 
 /// A robot with all that its files say about it.
@@ -93,6 +94,12 @@ impl RobotCore {
         self.loaded.warnings.iter().map(ToString::to_string).collect()
     }
 
+    /// Raises an error if a configuration is invalid.
+    fn check_rows(&self, q: &Bound<'_, PyAny>) -> PyResult<()> {
+        let rows = self.robot().check_rows(&plain_column::<f64>(q)?);
+        rows.map(|_| ()).map_err(|error| invalid(&error).raised(q.py()))
+    }
+
     /// Returns the poses of all links in each configuration, (n, links, 4, 4).
     fn poses<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let (py, loaded) = (q.py(), self.loaded.clone());
@@ -143,15 +150,4 @@ pub(crate) fn invalid(error: &ConfigurationError) -> Fault {
         _ => ("shape", Vec::new()),
     };
     Fault::new(kind, "q", error.to_string()).at(at)
-}
-
-/// Returns the entries of a 4x4 matrix, row by row.
-fn matrix(pose: &Pose) -> [f64; 16] {
-    let mut matrix = [0.0; 16];
-    for row in 0..3 {
-        matrix[4 * row..4 * row + 3].copy_from_slice(&pose.linear()[row]);
-        matrix[4 * row + 3] = pose.translation()[row];
-    }
-    matrix[15] = 1.0;
-    matrix
 }

@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use crate::arrays::plain_column;
 use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::{MeshBase, mesh_of};
+use crate::planning_scene::PlanningSceneFile;
 use crate::points::Points;
 use crate::poses;
 use crate::robot::RobotCore;
@@ -111,6 +112,12 @@ impl ShapeBase {
                 let faces = found.as_ref().and_then(Shape::as_mesh).map(|(mesh, _)| mesh.faces().len() as u64);
                 weight = faces.unwrap_or(FIELD_WEIGHT);
                 found.ok_or_else(|| InputError::new(InputErrorKind::Empty { what: "link" }))
+            }
+            ("obstacle", &[part]) => {
+                let found = source.cast::<PlanningSceneFile>()?.get().shape(part as usize).cloned();
+                let faces = found.as_ref().and_then(Shape::as_mesh).map(|(mesh, _)| mesh.faces().len() as u64);
+                weight = faces.unwrap_or(FIELD_WEIGHT);
+                found.ok_or_else(|| InputError::new(InputErrorKind::Empty { what: "obstacle" }))
             }
             ("compound", []) => {
                 let parts = parts_of(source)?;
