@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from impinge import _impinge
+from impinge._engine import engine
 from impinge._errors import InputError
 from impinge._picture import Picture, angles_of, png_path, size_of
 from impinge._robot_arguments import check_limits, clearance
@@ -19,6 +20,9 @@ from impinge._robot_motion import RobotClearance, RobotMotion
 from impinge._robot_report import RobotReport
 from impinge._scalars import chosen, real, whole
 from impinge._scene import Scene
+
+if TYPE_CHECKING:
+    from impinge.cluster import Cluster
 
 
 class RobotQueries(RobotBase):
@@ -36,6 +40,7 @@ class RobotQueries(RobotBase):
         ignored: Iterable[tuple[str, str]] = (),
         on_limits: Literal["ignore", "raise"] = "ignore",
         progress: bool = False,
+        on: Cluster | None = None,
     ) -> RobotReport:
         """Check which configurations collide: links with each other, and with a scene.
 
@@ -49,7 +54,7 @@ class RobotQueries(RobotBase):
         scene : Scene, optional
             Obstacles. Pairs of two obstacles are not checked.
         poses : mapping of str to (4, 4) array_like, optional
-            World from part, for parts of the scene. A part without a pose has the identity.
+            World from part, for parts of the scene. Other parts have their poses in the scene.
         stop : {"first", "all"}
             Whether a configuration is finished at the first pair found, or all pairs are checked.
         padding : float or mapping of str to float
@@ -64,6 +69,9 @@ class RobotQueries(RobotBase):
             Whether a value beyond the limits of its joint is an error.
         progress : bool
             As for `impinge.intersects`.
+        on : impinge.cluster.Cluster, optional
+            A cluster that answers instead of this process: the configurations are divided. A robot
+            that was loaded is loaded on each node, from the same paths. The report is the same.
 
         Returns
         -------
@@ -82,8 +90,12 @@ class RobotQueries(RobotBase):
             check_limits(rows, lead, self.joints, (self.lower, self.upper))
         clearances = clearance(self_padding, "self_padding"), self._paddings(padding)
         obstacles, skipped = self._obstacles(scene, poses, ignored)
-        answer = _impinge.robot_check(self._core, rows, stop == "first", clearances, obstacles, skipped, progress)
+        answer = self._ask(on, "robot_check", rows, stop == "first", clearances, obstacles, skipped, progress)
         return RobotReport(answer, lead, self._names(obstacles), stopped_at_first=stop == "first")
+
+    def _ask(self, on: Cluster | None, function: str, *arguments: Any) -> Any:
+        """Return the answer of a function of the extension or of a cluster."""
+        return getattr(engine(on), function)(self._core if on is None else self, *arguments)
 
     def clearance(
         self,
@@ -94,6 +106,7 @@ class RobotQueries(RobotBase):
         poses: Mapping[str, ArrayLike] | None = None,
         ignored: Iterable[tuple[str, str]] = (),
         progress: bool = False,
+        on: Cluster | None = None,
     ) -> RobotClearance:
         """Return how far each configuration is from a collision.
 
@@ -104,7 +117,7 @@ class RobotQueries(RobotBase):
         q : (..., dof) array_like
             Configurations, in radians and meters.
         scene : Scene, optional
-            As for `check`, as are `poses`, `ignored` and `progress`.
+            As for `check`, as are `poses`, `ignored`, `progress` and `on`.
         limit : float, optional
             Distance in meters beyond which clearances do not matter. With a limit the call is
             faster.
@@ -122,7 +135,7 @@ class RobotQueries(RobotBase):
         rows, lead = self._rows(q)
         farthest = np.inf if limit is None else real(limit, "limit", minimum=0)
         obstacles, skipped = self._obstacles(scene, poses, ignored)
-        answer = _impinge.robot_clearance(self._core, rows, farthest, obstacles, skipped, progress)
+        answer = self._ask(on, "robot_clearance", rows, farthest, obstacles, skipped, progress)
         return RobotClearance(answer, lead, self._names(obstacles))
 
     def check_motion(
@@ -137,6 +150,7 @@ class RobotQueries(RobotBase):
         certificate: bool = False,
         max_steps: int = 1 << 17,
         progress: bool = False,
+        on: Cluster | None = None,
     ) -> RobotMotion:
         """Prove that straight motions between configurations are free, or find the first contact.
 
@@ -148,7 +162,7 @@ class RobotQueries(RobotBase):
         q0, q1 : (..., dof) array_like
             Starts and ends of motions, in radians and meters. Leading axes broadcast.
         scene : Scene, optional
-            As for `check`, as are `poses`, `ignored` and `progress`.
+            As for `check`, as are `poses`, `ignored`, `progress` and `on`.
         clearance : float
             Distance in meters that links must keep from each other and from obstacles.
         certificate : bool
@@ -184,7 +198,7 @@ class RobotQueries(RobotBase):
         surroundings = ((distance, [distance] * len(self.links)), obstacles, skipped)
         both = (pair[0], pair[1])
         options = whole(max_steps, "max_steps"), bool(certificate), progress
-        answer = _impinge.robot_motions(self._core, both, surroundings, *options)
+        answer = self._ask(on, "robot_motions", both, surroundings, *options)
         question = (self, both, surroundings)
         return RobotMotion(answer, lead, self._names(obstacles), question, has_certificate=bool(certificate))
 
@@ -199,6 +213,7 @@ class RobotQueries(RobotBase):
         certificate: bool = False,
         max_steps: int = 1 << 17,
         progress: bool = False,
+        on: Cluster | None = None,
     ) -> RobotMotion:
         """Prove that the straight legs between consecutive waypoints are free, as `check_motion`.
 
@@ -206,7 +221,7 @@ class RobotQueries(RobotBase):
         ----------
         waypoints : (n, dof) array_like
             Configurations on the path, at least two.
-        scene, clearance, poses, ignored, certificate, max_steps, progress
+        scene, clearance, poses, ignored, certificate, max_steps, progress, on
             As for `check_motion`.
 
         Returns
@@ -234,6 +249,7 @@ class RobotQueries(RobotBase):
             certificate=certificate,
             max_steps=max_steps,
             progress=progress,
+            on=on,
         )
 
     def picture(

@@ -95,6 +95,13 @@ def snapshots(parts: Sequence[AnyShape]) -> list[AnyShape]:
     return [part._snapshot() if isinstance(part, Mesh) else part for part in parts]
 
 
+def run_of(count: int, work: int) -> tuple[int, int]:
+    """Return the number of rows of a run, and the number of runs; `work` is that of a row."""
+    even = -(-count // _MOST_TASKS)
+    run = max(min(max(even, _LEAST_WORK // work), _MOST_WORK // work), 1)
+    return run, max(-(-count // run), 1)
+
+
 class Rows:
     """Rows of poses of several things, cut into runs.
 
@@ -112,9 +119,7 @@ class Rows:
         self.axes = tuple(axes)
         self.poses = [None if p is None else _arrays.plain_poses(p, name) for name, p in poses.items()]
         self._count = int(np.prod(self.axes, dtype=np.int64))
-        even = -(-self._count // _MOST_TASKS)
-        self._run = max(min(max(even, _LEAST_WORK // work), _MOST_WORK // work), 1)
-        self.runs = max(-(-self._count // self._run), 1)
+        self._run, self.runs = run_of(self._count, work)
 
     def of(self, run: int) -> list[NDArray[np.float64] | None]:
         """Return the poses of each thing in one run.

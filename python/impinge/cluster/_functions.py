@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from impinge import _impinge
 from impinge._mesh import Mesh
 from impinge.cluster._calls import Call, ShareCall, VerbCall
 from impinge.cluster._clashes import ClashPairs, ClashQuestion
+from impinge.cluster._robots import RobotRows
 from impinge.cluster._scenes import Part, ScenePairs, SceneRows
+
+if TYPE_CHECKING:
+    from impinge._robot import Robot
 
 
 class Functions:
@@ -79,6 +86,53 @@ class Functions:
         """
         call = scene_call(parts, ignored, question, first, on_error)
         return self._answer(call, progress)
+
+    def robot_check(  # noqa: PLR0917 (the arguments of the extension)
+        self,
+        robot: Robot,
+        q: NDArray[np.float64],
+        first: bool,
+        paddings: tuple[float, list[float]],
+        parts: list[Part],
+        ignored: list[tuple[int, int]],
+        progress: bool,
+    ) -> Any:
+        """Return the collisions of a robot in each configuration."""
+        robot._core.check_rows(q)
+        _impinge.robot_check(robot._core, q[:0], first, paddings, parts, ignored, False)
+        return self._answer(RobotRows("robot_check", robot, [q], parts, (first, paddings, ignored)), progress)
+
+    def robot_clearance(  # noqa: PLR0917 (the arguments of the extension)
+        self,
+        robot: Robot,
+        q: NDArray[np.float64],
+        limit: float,
+        parts: list[Part],
+        ignored: list[tuple[int, int]],
+        progress: bool,
+    ) -> Any:
+        """Return the clearance of each configuration of a robot."""
+        robot._core.check_rows(q)
+        _impinge.robot_clearance(robot._core, q[:0], limit, parts, ignored, False)
+        return self._answer(RobotRows("robot_clearance", robot, [q], parts, (limit, ignored)), progress)
+
+    def robot_motions(  # noqa: PLR0917 (the arguments of the extension)
+        self,
+        robot: Robot,
+        ends: tuple[NDArray[np.float64], NDArray[np.float64]],
+        surroundings: tuple[Any, list[Part], list[tuple[int, int]]],
+        max_steps: int,
+        keeps_certificate: bool,
+        progress: bool,
+    ) -> Any:
+        """Return the verdict about each motion of a robot."""
+        for q in ends:
+            robot._core.check_rows(q)
+        none = ends[0][:0], ends[1][:0]
+        _impinge.robot_motions(robot._core, none, surroundings, max_steps, keeps_certificate, False)
+        clearances, parts, ignored = surroundings
+        rest = clearances, ignored, max_steps, keeps_certificate
+        return self._answer(RobotRows("robot_motions", robot, ends, parts, rest), progress)
 
     def clash(self, question: ClashQuestion, progress: bool) -> Any:
         """Return the report about the clashes of some scenes."""

@@ -19,6 +19,7 @@ from impinge._errors import InputError
 from impinge._mesh import Mesh
 from impinge._shape import AnyShape
 from impinge._threads import threads
+from impinge.cluster._robot_contents import contents_of
 
 Parcel = NDArray[np.uint8]
 """Bytes of several parts, as they are in the object store."""
@@ -143,7 +144,41 @@ def clash_pairs(
     return _impinge.clash_pairs(placed, pairs, asked, listed)
 
 
+def robot_check(parts: list[Any], content: str, rows: list[Any], placed: Placed, rest: tuple[Any, ...]) -> Any:
+    """Return the collisions of a robot, the first part, in some configurations."""
+    first, paddings, ignored = rest
+    core, obstacles = _core(parts, content), placed.of(parts)
+    return _impinge.robot_check(core, rows[0], first, paddings, obstacles, ignored, False)
+
+
+def robot_clearance(parts: list[Any], content: str, rows: list[Any], placed: Placed, rest: tuple[Any, ...]) -> Any:
+    """Return the clearances of a robot, the first part, in some configurations."""
+    limit, ignored = rest
+    return _impinge.robot_clearance(_core(parts, content), rows[0], limit, placed.of(parts), ignored, False)
+
+
+def robot_motions(parts: list[Any], content: str, rows: list[Any], placed: Placed, rest: tuple[Any, ...]) -> Any:
+    """Return the verdicts about some motions of a robot, the first part."""
+    clearances, ignored, max_steps, keeps_certificate = rest
+    surroundings = clearances, placed.of(parts), ignored
+    ends = rows[0], rows[1]
+    return _impinge.robot_motions(_core(parts, content), ends, surroundings, max_steps, keeps_certificate, False)
+
+
+def _core(parts: list[Any], content: str) -> _impinge.RobotCore:
+    """Return the robot of a task, which must be that of the caller."""
+    robot = parts[0]
+    if contents_of(robot) != content:
+        message = f"the files of {robot!r} on a worker are not those of the caller"
+        raise InputError(message, kind="robot", what="robot", hint="give each node the same files at the same paths")
+    core: _impinge.RobotCore = robot._core
+    return core
+
+
 _FUNCTIONS: dict[str, Any] = {
+    "robot_check": robot_check,
+    "robot_clearance": robot_clearance,
+    "robot_motions": robot_motions,
     "rows": rows,
     "share": share,
     "scene_rows": scene_rows,
