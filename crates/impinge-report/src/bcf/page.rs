@@ -12,7 +12,7 @@ use super::project::project_of;
 use super::topic::{Topic, topics};
 use crate::picture::{COLOR_A, COLOR_B, FIELD_OF_VIEW};
 
-/// What a page needs beside the report to write a BCF file.
+/// Content of a BCF file that a page needs beside the report.
 #[derive(Serialize)]
 pub(crate) struct PageBcf {
     /// Identity and name of the project.
