@@ -4,6 +4,9 @@ import { chromium, type Browser, type BrowserContextOptions, type Page } from "p
 /** The page under test: any page that `impinge clash --view` wrote for a model with several clashes. */
 export const PAGE = required("IMPINGE_PAGE");
 
+/** Time to wait for anything, in milliseconds. A busy machine draws a picture in some seconds. */
+const PATIENCE = 120_000;
+
 export function required(name: string): string {
   const value = process.env[name];
   if (value === undefined) throw new Error(`Set ${name}. cargo xtask viewer does so.`);
@@ -34,8 +37,9 @@ export async function open(browser: Browser, path = PAGE, options: BrowserContex
     if (!/GPU stall due to ReadPixels/.test(message.text())) faults.push(`console ${message.text()}`);
   });
   page.on("pageerror", (error) => faults.push(`error ${error.message}`));
+  page.setDefaultTimeout(PATIENCE);
   await page.goto(`file://${path}`);
-  await page.waitForSelector("body[data-ready]", { timeout: 120_000 });
+  await page.waitForSelector("body[data-ready]");
   return { page, faults };
 }
 
