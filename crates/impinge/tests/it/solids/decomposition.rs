@@ -183,7 +183,9 @@ fn a_groove_is_measured_to_its_floor() {
         let parts = parts_of(&engine(&mesh), 0.25, 1);
         let part = &parts.parts()[0];
         assert!(part.concavity_lower <= depth + 1e-9 && depth - 1e-9 <= part.concavity_lower, "{depth}: {part:?}");
-        assert!(depth - 1e-9 <= part.concavity_upper && part.concavity_upper <= 1.125 * depth, "{depth}: {part:?}");
+        // The boxes of a search are along the axes, so they fit a turned groove worse.
+        let most = if turned { 1.375 } else { 1.125 } * depth;
+        assert!(depth - 1e-9 <= part.concavity_upper && part.concavity_upper <= most, "{depth}: {part:?}");
     }
 }
 
