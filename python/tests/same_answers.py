@@ -1,6 +1,8 @@
 """Compares answers byte for byte."""
 
+import impinge
 import numpy as np
+import pytest
 
 
 def same(a, b):
@@ -16,3 +18,10 @@ def same(a, b):
 
 def same_reports(a, b):
     return same(tuple(vars(a).values()), tuple(vars(b).values()))
+
+
+def error_of(call, on):
+    """Returns what the error of a call on a cluster, or on this process for None, says."""
+    with pytest.raises(impinge.InputError) as caught:
+        call(on)
+    return str(caught.value), caught.value.what, caught.value.where, caught.value.kind

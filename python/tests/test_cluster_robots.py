@@ -1,5 +1,6 @@
 """Robots on a cluster, without Ray: an engine in its place runs the tasks in any order."""
 
+import pickle
 from pathlib import Path
 
 import impinge
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 from impinge.cluster import _calls, _robots, _session, _worker
 from in_process_engine import Engine
+from same_answers import error_of
 from shapes import cube
 
 DATA = Path(__file__).resolve().parents[2] / "data" / "robots"
@@ -100,12 +102,7 @@ def test_invalid_arguments_raise_the_errors_of_a_local_call(cluster):
         lambda on: GANTRY.check_motion(q, bad, on=on),
     ]
     for call in calls:
-        errors = []
-        for on in (None, cluster):
-            with pytest.raises(impinge.InputError) as caught:
-                call(on)
-            errors.append((str(caught.value), caught.value.what, caught.value.where, caught.value.kind))
-        assert errors[0] == errors[1]
+        assert error_of(call, None) == error_of(call, cluster)
     assert not cluster._ray.started
 
 
@@ -113,4 +110,25 @@ def test_other_files_on_a_worker_are_an_error(cluster, monkeypatch):
     monkeypatch.setattr(_robots, "contents_of", lambda robot: "another hash")
     with pytest.raises(impinge.InputError, match=r"are not those of the caller.*the same files at the same paths"):
         GANTRY.check(grid(GANTRY, 20, 3), on=cluster)
-    assert _worker.contents_of(ARM) != _worker.contents_of(GANTRY)
+
+
+def test_robots_with_other_faces_in_the_same_box_or_other_joints_differ():
+    vertices, faces = cube()
+    bent = np.vstack([vertices, [[0, 0, 0.25]]])
+    # The first face gets a dent.
+    a, b, c = faces[0]
+    dented = np.vstack([faces[1:], [[a, b, 8], [b, c, 8], [c, a, 8]]])
+    meshes = impinge.Mesh(vertices, faces), impinge.Mesh(bent, dented)
+
+    def robot(mesh, place, kind="floating"):
+        joint = impinge.Joint("joint", "base", "tip", kind, impinge.pose(place))
+        return impinge.Robot.from_parts({"base": mesh, "tip": BAR}, [joint])
+
+    robots = [
+        robot(meshes[0], [1, 0, 0]),
+        robot(meshes[1], [1, 0, 0]),
+        robot(meshes[0], [1, 0, 1e-9]),
+        robot(meshes[0], [1, 0, 0], "planar"),
+    ]
+    assert len({_worker.contents_of(each) for each in robots}) == 4
+    assert _worker.contents_of(pickle.loads(pickle.dumps(robots[0]))) == _worker.contents_of(robots[0])

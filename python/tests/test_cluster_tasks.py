@@ -10,7 +10,7 @@ import pytest
 from impinge.cluster import _calls, _command, _parcels, _scenes, _session
 from impinge.cluster._checkpoint import Checkpoint
 from in_process_engine import Engine
-from same_answers import same, same_reports
+from same_answers import error_of, same, same_reports
 from shapes import cube, random_poses, torus
 
 CUBE, TORUS = impinge.Mesh(*cube()), impinge.Mesh(*torus())
@@ -115,12 +115,7 @@ def test_invalid_arguments_raise_the_errors_of_a_local_call(cluster):
         lambda on: impinge.within(CUBE, TORUS, -1, on=on),
     ]
     for call in calls:
-        errors = []
-        for on in (None, cluster):
-            with pytest.raises(impinge.InputError) as caught:
-                call(on)
-            errors.append((str(caught.value), caught.value.what, caught.value.where, caught.value.kind))
-        assert errors[0] == errors[1]
+        assert error_of(call, None) == error_of(call, cluster)
     assert not cluster._ray.started
     hits, status = impinge.intersects(CUBE, TORUS, None, bad, on_error="status", on=cluster)
     assert status.tolist() == [impinge.Status.NON_FINITE if row == 17 else 0 for row in range(20)]

@@ -91,6 +91,7 @@ WITHOUT_ARRAYS = {
     "clash",
     "limit",
     "load",
+    "load_planning_scene",
     "load_scene",
     "self_intersecting_pairs",
     "show",

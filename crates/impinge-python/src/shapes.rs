@@ -8,6 +8,7 @@ use impinge::shape::Shape;
 use impinge::volume::Lozenge;
 use impinge::{HeightField, InputError, InputErrorKind, Pose};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::arrays::plain_column;
 use crate::errors::{Fault, kind_and_place, message};
@@ -23,6 +24,9 @@ const EXPONENT: i32 = 128;
 
 /// Number of pieces that a height field counts as. A query compares only the faces that are near.
 const FIELD_WEIGHT: u64 = 64;
+
+/// Number of sides of a circle in the triangles of round shapes.
+const SEGMENTS: usize = 8;
 
 /// Base class of `impinge.Shape`.
 #[pyclass(subclass, frozen, module = "impinge._impinge")]
@@ -138,6 +142,16 @@ impl ShapeBase {
     /// (2, 3). Returns `None` if the shape is unbounded or empty.
     fn local_box(&self) -> Option<[[f64; 3]; 2]> {
         self.shape.at(Pose::IDENTITY).ok()?.bounds()
+    }
+
+    /// Returns the corners of triangles that look like the shape, as bytes. A mesh has its faces.
+    fn triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        let corners = self.shape.to_meshes(SEGMENTS).into_iter().flat_map(|(mesh, pose)| {
+            let faces = 0..mesh.faces().len() as u32;
+            faces.flat_map(move |face| mesh.corners(face)).map(move |corner| pose.apply(corner))
+        });
+        let bytes: Vec<u8> = corners.flatten().flat_map(f64::to_le_bytes).collect();
+        PyBytes::new(py, &bytes)
     }
 }
 
