@@ -11,6 +11,7 @@ mod hostile_paths;
 mod hostile_rigs;
 mod limits;
 mod load;
+mod mutants;
 mod planning_scenes;
 mod real_files;
 mod rigs;

@@ -6,32 +6,13 @@ use impinge::scene::Question;
 use impinge_testkit::{generate::Rng, rounds};
 
 use super::{Folder, NEW_FORM, YAML};
+use crate::mutants::mutant;
 
-/// Returns a text with some random changes: words, cuts, and repeated or moved pieces.
-fn mutant(rng: &mut Rng, text: &str) -> Vec<u8> {
-    const WORDS: [&str; 20] = [
-        "nan", "-1e999", "1e400", "-1", "[", "]", "{", "}", ": ", "- ", "*flat", "&flat ", "\n", "  ", "box", "null",
-        "'", "\0", "é", "* ",
-    ];
-    let mut bytes = text.as_bytes().to_vec();
-    for _ in 0..rng.integer(1, 3) {
-        let at = |rng: &mut Rng, bytes: &[u8]| rng.integer(0, bytes.len().max(1) as i64 - 1) as usize;
-        let (i, j) = (at(rng, &bytes), at(rng, &bytes));
-        let (i, j) = (i.min(j), i.max(j).min(i.min(j) + 20));
-        match rng.integer(0, 4) {
-            0 if i < bytes.len() => bytes[i] = rng.integer(0, 255) as u8,
-            1 => drop(bytes.splice(i..j, WORDS[rng.integer(0, WORDS.len() as i64 - 1) as usize].bytes())),
-            2 => drop(bytes.drain(i..j)),
-            3 => {
-                let piece = bytes[i..j].to_vec();
-                let to = at(rng, &bytes);
-                drop(bytes.splice(to..to, piece));
-            }
-            _ => bytes.truncate(bytes.len() - rng.integer(0, 40).min(bytes.len() as i64) as usize),
-        }
-    }
-    bytes
-}
+/// Pieces of YAML that change a text.
+const WORDS: [&str; 20] = [
+    "nan", "-1e999", "1e400", "-1", "[", "]", "{", "}", ": ", "- ", "*flat", "&flat ", "\n", "  ", "box", "null", "'",
+    "\0", "é", "* ",
+];
 
 /// Returns a text in which some numbers and words are replaced, so that its form stays.
 fn changed_values(rng: &mut Rng, text: &str) -> String {
@@ -56,7 +37,11 @@ fn changed_files_give_scenes_or_typed_errors() {
     let count = rounds(600);
     for round in 0..count {
         let (name, text) = if round % 2 == 0 { ("a.yaml", YAML) } else { ("a.scene", NEW_FORM) };
-        let changed = if round % 3 == 0 { mutant(&mut rng, text) } else { changed_values(&mut rng, text).into_bytes() };
+        let changed = if round % 3 == 0 {
+            mutant(&mut rng, text, &WORDS, (3, 20))
+        } else {
+            changed_values(&mut rng, text).into_bytes()
+        };
         match folder.load(name, changed) {
             Ok(loaded) => {
                 fine += 1;

@@ -4,31 +4,11 @@ use impinge_files::{LoadErrorKind, RobotOptions};
 use impinge_testkit::{generate::Rng, rounds};
 
 use super::{Folder, data, load, robot};
+use crate::mutants::mutant;
 
-/// Returns a text with some random changes: bytes, cuts, and repeated or moved pieces.
-fn mutant(rng: &mut Rng, text: &str) -> Vec<u8> {
-    let mut bytes = text.as_bytes().to_vec();
-    let words =
-        ["<", ">", "/>", "\"", "'", "nan", "-1e999", "1e400", "&x;", "${a}", "<link name=\"", "base", "\0", "é"];
-    for _ in 0..rng.integer(1, 6) {
-        let at = |rng: &mut Rng, bytes: &[u8]| rng.integer(0, bytes.len().max(1) as i64 - 1) as usize;
-        let (i, j) = (at(rng, &bytes), at(rng, &bytes));
-        let (i, j) = (i.min(j), i.max(j).min(i.min(j) + 80));
-        let word = words[rng.integer(0, words.len() as i64 - 1) as usize];
-        match rng.integer(0, 4) {
-            0 if i < bytes.len() => bytes[i] = rng.integer(0, 255) as u8,
-            1 => drop(bytes.splice(i..j, word.bytes())),
-            2 => drop(bytes.drain(i..j)),
-            3 => {
-                let piece = bytes[i..j].to_vec();
-                let to = at(rng, &bytes);
-                drop(bytes.splice(to..to, piece));
-            }
-            _ => bytes.truncate(bytes.len() - rng.integer(0, 40).min(bytes.len() as i64) as usize),
-        }
-    }
-    bytes
-}
+/// Pieces of XML that change a text.
+const WORDS: [&str; 14] =
+    ["<", ">", "/>", "\"", "'", "nan", "-1e999", "1e400", "&x;", "${a}", "<link name=\"", "base", "\0", "é"];
 
 /// Returns a text in which some values of attributes are replaced, so that it is well-formed.
 fn changed_values(rng: &mut Rng, text: &str) -> Vec<u8> {
@@ -53,7 +33,8 @@ fn changed_files_give_robots_or_typed_errors() {
     let count = rounds(500);
     for round in 0..count {
         let (name, text) = if round % 2 == 0 { ("robot.urdf", &urdf) } else { ("robot.srdf", &srdf) };
-        let changed = if round % 3 == 0 { mutant(&mut rng, text) } else { changed_values(&mut rng, text) };
+        let changed =
+            if round % 3 == 0 { mutant(&mut rng, text, &WORDS, (6, 80)) } else { changed_values(&mut rng, text) };
         std::fs::write(folder.path(name), changed).unwrap();
         match folder.load(&options) {
             Ok(loaded) => {

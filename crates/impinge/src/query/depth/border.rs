@@ -54,7 +54,7 @@ impl Border {
         Self { edges: edges.collect(), is_long }
     }
 
-    /// Returns the cost of a winding number in edges. Rays cost as much as some edges.
+    /// Returns the cost of a winding number, in edges of the border.
     pub(super) fn cost(&self) -> usize {
         if self.is_long { WindingNumber::MAX_BORDER_EDGES } else { self.edges.len().max(RAYS) }
     }

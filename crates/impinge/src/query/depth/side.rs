@@ -14,9 +14,10 @@ use crate::mesh::{Containment, FaceSearch, PlacedMesh, PointClassifier};
 /// Number of distances at which points around a point are compared with an open solid.
 const RADII: usize = 8;
 
-/// Number of faces of a solid up to which its corners are compared with the facets of another, and
-/// number of those facets.
+/// Number of faces of a solid up to which its corners are compared with the facets of another.
 const MAX_FACES: usize = 4096;
+
+/// Number of facets up to which they are compared with the corners of another solid.
 const MAX_SUPPORTING: usize = 256;
 
 /// Directions to the corners and the middles of the sides of a cube, of length 1.
@@ -165,6 +166,7 @@ impl<'m> Side<'m> {
         self.summed.get()
     }
 
+    /// Counts a winding number, if a hole is near.
     fn count_border(&self) {
         self.summed.set(self.summed.get() + self.border.as_ref().map_or(0, Border::cost));
     }
