@@ -193,15 +193,11 @@ impl<'s> Job<'s> {
     ) -> Result<Vec<Option<Box<Finding>>>, Stopped> {
         let rows = &self.candidates[range];
         let place = |member: u32| Placed::from(&self.placed[member as usize]);
-        execution.all_rows(
-            rows.len(),
-            || (),
-            |(), row| {
-                let Candidate { pair: [a, b], .. } = rows[row];
-                let finding = find_kind(&place(a), &place(b), &self.asked(&rows[row]), execution.budget());
-                (finding.kind != Kind::Clear).then(|| Box::new(finding))
-            },
-        )
+        execution.single_rows(rows.len(), |row| {
+            let Candidate { pair: [a, b], .. } = rows[row];
+            let finding = find_kind(&place(a), &place(b), &self.asked(&rows[row]), execution.budget());
+            (finding.kind != Kind::Clear).then(|| Box::new(finding))
+        })
     }
 
     fn asked(&self, candidate: &Candidate) -> Asked {

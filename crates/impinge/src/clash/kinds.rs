@@ -179,15 +179,11 @@ pub fn classify(
     pairs: &[([usize; 2], Asked)],
     execution: Execution<'_>,
 ) -> Result<Vec<Finding>, Stopped> {
-    execution.all_rows(
-        pairs.len(),
-        || (),
-        |(), row| {
-            let (pair, asked) = &pairs[row];
-            let [a, b] = pair.map(|part| Placed::from(&parts[part]));
-            find_kind(&a, &b, asked, execution.budget())
-        },
-    )
+    execution.single_rows(pairs.len(), |row| {
+        let (pair, asked) = &pairs[row];
+        let [a, b] = pair.map(|part| Placed::from(&parts[part]));
+        find_kind(&a, &b, asked, execution.budget())
+    })
 }
 
 /// Returns the kind of one pair of solids at their poses. It never fails, and the budget limits its

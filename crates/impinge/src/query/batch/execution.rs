@@ -105,9 +105,38 @@ impl<'e> Execution<'e> {
         begin: impl Fn() -> S + Sync,
         ask: impl Fn(&mut S, usize) -> T + Sync,
     ) -> Result<Vec<T>, Stopped> {
-        let is_canceled = || self.budget.is_spent() && self.budget.stopped() == Some(Stopped::Canceled);
-        let answers = self.rows_until(is_canceled, count, begin, ask)?;
+        let answers = self.rows_until(|| self.is_canceled(), count, begin, ask)?;
         if self.budget.stopped() == Some(Stopped::Canceled) { Err(Stopped::Canceled) } else { Ok(answers) }
+    }
+
+    /// Returns the result of `ask` for each row, as [`all_rows`](Self::all_rows) does. Each row is a
+    /// task of its own, for rows that share nothing and may take long.
+    pub(crate) fn single_rows<T: Send>(self, count: usize, ask: impl Fn(usize) -> T + Sync) -> Result<Vec<T>, Stopped> {
+        if self.is_sequential {
+            return self.all_rows(count, || (), |(), row| ask(row));
+        }
+        let mut answers = self.reserved(count)?;
+        let answer = |row: usize| {
+            let answer = (!self.is_canceled()).then(|| ask(row));
+            self.progress.iter().for_each(|progress| progress(1));
+            answer
+        };
+        (0..count).into_par_iter().with_max_len(1).map(answer).collect_into_vec(&mut answers);
+        if self.is_canceled() { Err(Stopped::Canceled) } else { Ok(answers.into_iter().flatten().collect()) }
+    }
+
+    fn is_canceled(&self) -> bool {
+        self.budget.is_spent() && self.budget.stopped() == Some(Stopped::Canceled)
+    }
+
+    /// Returns memory for the answers of `count` rows.
+    fn reserved<T>(&self, count: usize) -> Result<Vec<T>, Stopped> {
+        let mut answers = Vec::new();
+        if answers.try_reserve_exact(count).is_err() {
+            self.budget.reach(Stopped::Memory);
+            return Err(Stopped::Memory);
+        }
+        Ok(answers)
     }
 
     /// Returns the result of `ask` for each row. If `must_stop` returns `true`, only some of the
@@ -119,11 +148,7 @@ impl<'e> Execution<'e> {
         begin: impl Fn() -> S + Sync,
         ask: impl Fn(&mut S, usize) -> T + Sync,
     ) -> Result<Vec<T>, Stopped> {
-        let mut answers = Vec::new();
-        if answers.try_reserve_exact(count).is_err() {
-            self.budget.reach(Stopped::Memory);
-            return Err(Stopped::Memory);
-        }
+        let mut answers = self.reserved(count)?;
         if self.is_sequential {
             self.answer_rows(0..count, &mut begin(), &ask, &must_stop, &mut answers);
         } else {
@@ -132,6 +157,7 @@ impl<'e> Execution<'e> {
             for first in (0..blocks).step_by(BLOCKS_PER_WAVE) {
                 let wave: Vec<Vec<T>> = (first..blocks.min(first + BLOCKS_PER_WAVE))
                     .into_par_iter()
+                    .with_max_len(1) // a free thread can take any block that has not begun
                     .map(|number| {
                         let rows = number * length..((number + 1) * length).min(count);
                         let mut answers = Vec::with_capacity(rows.len());
@@ -176,5 +202,42 @@ impl fmt::Debug for Execution<'_> {
             .field("budget", budget)
             .field("has_progress", &progress.is_some())
             .finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+    #[test]
+    fn single_rows_are_those_of_blocks() {
+        let square = |row: usize| row * row;
+        for count in [0, 1, 63, 1000] {
+            let (rows, calls) = (AtomicUsize::new(0), AtomicUsize::new(0));
+            let count_rows = |done: usize| {
+                rows.fetch_add(done, Relaxed);
+                calls.fetch_add(1, Relaxed);
+            };
+            let execution = Execution::default().with_progress(&count_rows);
+            let single = execution.single_rows(count, square);
+            assert_eq!((rows.load(Relaxed), calls.load(Relaxed)), (count, count));
+            assert_eq!(single, execution.all_rows(count, || (), |(), row| square(row)));
+            assert_eq!(single, execution.sequentially().single_rows(count, square));
+        }
+    }
+
+    /// A spent budget leaves all rows to `ask`; a canceled one returns none of them.
+    #[test]
+    fn only_a_canceled_batch_of_single_rows_stops() {
+        let (spent, canceled) = (Budget::new().with_steps(0), Budget::new().with_cancel(&|| true));
+        for sequential in [false, true] {
+            let on = |budget| {
+                let execution = Execution::default().with_budget(budget);
+                if sequential { execution.sequentially() } else { execution }.single_rows(100, |row| row)
+            };
+            assert_eq!(on(&spent), Ok((0..100).collect()));
+            assert_eq!(on(&canceled), Err(Stopped::Canceled));
+        }
     }
 }
