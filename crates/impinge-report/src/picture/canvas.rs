@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::camera::{Camera, Seen};
-use super::color::{Color, lit_triangle, mixed};
+use super::color::{Color, lit_triangle, mixed, mixer};
 use super::pixels::Picture;
 use super::vector::Vector;
 
@@ -105,10 +105,11 @@ impl Canvas {
 
     /// Blends another canvas of the same size over this one, at the samples at which it is nearer.
     pub(crate) fn blend(&mut self, over: &Self, opacity: f64) {
+        let mix = mixer(opacity);
         let own = self.colors.par_iter_mut().zip(&mut self.depths);
         own.zip(over.colors.par_iter().zip(&over.depths)).for_each(|((color, depth), (other, &other_depth))| {
             if other_depth < *depth {
-                *color = mixed(*color, *other, opacity);
+                *color = mix(*color, *other);
                 *depth = other_depth;
             }
         });
@@ -117,10 +118,11 @@ impl Canvas {
     /// Blends all that is drawn on another canvas of the same size over this one, regardless of
     /// depth.
     pub(crate) fn overlay(&mut self, over: &Self, opacity: f64) {
+        let mix = mixer(opacity);
         let own = self.colors.par_iter_mut();
         own.zip(over.colors.par_iter().zip(&over.depths)).for_each(|(color, (other, &depth))| {
             if depth < f32::INFINITY {
-                *color = mixed(*color, *other, opacity);
+                *color = mix(*color, *other);
             }
         });
     }
@@ -134,15 +136,22 @@ impl Canvas {
 
     /// Returns the picture: the color of each pixel is the mean of its samples.
     pub(crate) fn picture(&self) -> Picture {
+        const COUNT: usize = SAMPLES * SAMPLES;
         let [width, height] = self.size.map(|side| side as usize);
-        let mean = |pixel: usize| {
-            let (column, row) = (pixel % width * SAMPLES, pixel / width * SAMPLES);
-            let sample = |i: usize| self.colors[(row + i / SAMPLES) * self.width + column + i % SAMPLES];
-            const COUNT: usize = SAMPLES * SAMPLES;
-            [0, 1, 2]
-                .map(|k| (((0..COUNT).map(|i| usize::from(sample(i)[k])).sum::<usize>() + COUNT / 2) / COUNT) as u8)
-        };
-        Picture { size: self.size, pixels: (0..width * height).into_par_iter().map(mean).collect() }
+        let mut pixels = vec![[0; 3]; width * height];
+        pixels.par_chunks_mut(width.max(1)).enumerate().for_each(|(row, pixels)| {
+            let first = row * SAMPLES * self.width;
+            for (column, pixel) in pixels.iter_mut().enumerate() {
+                let mut sums = [COUNT as u32 / 2; 3];
+                for start in (0..SAMPLES).map(|below| first + below * self.width + column * SAMPLES) {
+                    for sample in &self.colors[start..start + SAMPLES] {
+                        (0..3).for_each(|k| sums[k] += u32::from(sample[k]));
+                    }
+                }
+                *pixel = sums.map(|sum| (sum / COUNT as u32) as u8);
+            }
+        });
+        Picture { size: self.size, pixels }
     }
 }
 
@@ -178,16 +187,28 @@ impl Band<'_> {
         for row in range(1, self.first_row, self.first_row + rows) {
             let y = row as f64 + 0.5;
             let start = (row - self.first_row) * self.width;
-            for column in span(&[*a, *b, *c], y, columns.clone()) {
+            let depth = |column: usize| {
                 let p = [column as f64 + 0.5, y, 0.0];
                 let weights =
                     [signed_area(b, c, &p) / area, signed_area(c, a, &p) / area, signed_area(a, b, &p) / area];
-                if weights.iter().all(|&weight| weight >= 0.0) {
-                    let depth = (weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2]) as f32;
-                    if depth < self.depths[start + column] {
-                        self.depths[start + column] = depth;
-                        self.colors[start + column] = *color;
-                    }
+                let is_inside = weights.iter().all(|&weight| weight >= 0.0);
+                is_inside.then(|| weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2])
+            };
+            // The samples inside follow each other, and their depths are linear.
+            let mut columns = span(&[*a, *b, *c], y, columns.clone());
+            let Some((first, left)) = columns.by_ref().find_map(|column| Some((column, depth(column)?))) else {
+                continue;
+            };
+            let (last, right) =
+                columns.rev().find_map(|column| Some((column, depth(column)?))).unwrap_or((first, left));
+            let slope = if last > first { (right - left) / (last - first) as f64 } else { 0.0 };
+            let range = start + first..=start + last;
+            let samples = self.depths[range.clone()].iter_mut().zip(&mut self.colors[range]);
+            for (at, (nearest, own)) in samples.enumerate() {
+                let depth = (left + slope * at as f64) as f32;
+                if depth < *nearest {
+                    *nearest = depth;
+                    *own = *color;
                 }
             }
         }

@@ -61,7 +61,17 @@ pub(crate) fn shaded(color: Color, brightness: f64) -> Color {
 
 /// Returns the mix of two colors; a share of 1 is the second.
 pub(crate) fn mixed(from: Color, to: Color, share: f64) -> Color {
-    [0, 1, 2].map(|k| (f64::from(from[k]) * (1.0 - share) + f64::from(to[k]) * share).round() as u8)
+    mixer(share)(from, to)
+}
+
+/// Returns a function that mixes two colors; a share of 1 is the second.
+pub(crate) fn mixer(share: f64) -> impl Fn(Color, Color) -> Color + Copy + Sync {
+    // In units of 2^-16. The cast saturates.
+    const ONE: u32 = 1 << 16;
+    let to_share = ((share * f64::from(ONE)).round() as u32).min(ONE);
+    let part =
+        move |from: u8, to: u8| ((u32::from(from) * (ONE - to_share) + u32::from(to) * to_share + ONE / 2) / ONE) as u8;
+    move |from, to| [0, 1, 2].map(|k| part(from[k], to[k]))
 }
 
 #[cfg(test)]
