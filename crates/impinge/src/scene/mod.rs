@@ -29,15 +29,18 @@
 //! ```
 //!
 //! `parts` contains the scene, `details` the details of a part, `configurations` the rows of poses,
-//! `near` the broad phase of a row, and `check` the checks. Guarded by `tests/it/scene`.
+//! `near` the broad phase of a row, `check` the checks, and `repair` the repair of open parts.
+//! Guarded by `tests/it/scene`.
 
 mod check;
 mod configurations;
 mod details;
 mod near;
 mod parts;
+mod repair;
 
 pub use check::{Candidates, FoundPair, Question, Stop};
 pub use configurations::{Configurations, ConfigurationsError};
 pub use details::Details;
 pub use parts::{PartId, Scene, SceneError};
+pub use repair::RepairedPart;

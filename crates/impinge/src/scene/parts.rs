@@ -181,6 +181,11 @@ impl Scene {
         a != b && !is_one_group && !self.ignored.contains(&[a.min(b), a.max(b)])
     }
 
+    /// Returns the shape of each part.
+    pub(super) fn shapes_mut(&mut self) -> impl Iterator<Item = (PartId, &mut Shape)> {
+        (0..).map(PartId).zip(self.parts.iter_mut().map(|part| &mut part.shape))
+    }
+
     pub(super) fn part(&self, part: PartId) -> &Part {
         &self.parts[part.index()]
     }

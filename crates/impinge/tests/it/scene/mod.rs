@@ -1,5 +1,7 @@
 //! Scenes against all pairs of parts, queried one by one.
 
+mod repair;
+
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use impinge::Budget;

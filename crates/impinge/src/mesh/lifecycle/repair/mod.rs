@@ -24,6 +24,37 @@ pub struct RepairOptions {
     pub orient: bool,
 }
 
+/// Maximum distance by which vertices are welded to close a mesh, relative to its size. It is more
+/// than the rounding of files with seven digits, and less than any detail that was modeled.
+const MAX_CLOSING_WELD: f64 = 1e-6;
+
+impl RepairOptions {
+    /// Returns the options that close a mesh whose faces are only turned or cracked, or that leave
+    /// fewer open edges: faces are turned, and vertices are welded by the
+    /// [closing tolerance](Mesh::closing_tolerance) if that is at most 10^-6 of the largest extent
+    /// of the mesh. No hole is filled.
+    ///
+    /// ```
+    /// use impinge::mesh::RepairOptions;
+    /// use impinge::{Mesh, Positions};
+    ///
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 2e-8, 1.0]];
+    /// // One corner is not quite the same point in all of its faces, and the third face is turned.
+    /// let mesh = Mesh::new(Positions::F64(corners), vec![[0, 2, 1], [0, 1, 3], [0, 2, 3], [1, 2, 4]])?;
+    /// let options = RepairOptions::closing(&mesh);
+    /// assert_eq!(options, RepairOptions { weld: 1e-7, orient: true });
+    /// assert!(mesh.repaired(options)?.0.is_closed());
+    /// # Ok::<(), impinge::InputError>(())
+    /// ```
+    #[must_use]
+    pub fn closing(mesh: &Mesh) -> Self {
+        let [low, high] = mesh.local_bounds().unwrap_or_default();
+        let size = (0..3).fold(0.0_f64, |size, axis| size.max(high[axis] - low[axis]));
+        let weld = mesh.closing_tolerance().filter(|&tolerance| tolerance <= MAX_CLOSING_WELD * size);
+        Self { weld: weld.unwrap_or(0.0), orient: true }
+    }
+}
+
 /// The changes that [`Mesh::repaired`] made, and the defects that it left. All lists are ascending.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Repair {
