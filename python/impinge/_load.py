@@ -91,6 +91,7 @@ def load_scene(
     path: str | os.PathLike[str],
     unit: str | None = None,
     *,
+    file_unit: str | None = None,
     names: str | os.PathLike[str] | None = None,
     origin: ArrayLike | None = None,
     max_bytes: int | None = None,
@@ -107,6 +108,9 @@ def load_scene(
         As for `load`.
     unit : {"um", "mm", "cm", "in", "ft", "m"}, optional
         As for `load`.
+    file_unit : {"um", "mm", "cm", "in", "ft", "m"}, optional
+        Unit of the numbers in the file, in place of the one that it states, such as "mm" for a glTF
+        file in millimeters, although glTF is in meters.
     names : str or os.PathLike, optional
         A JSON file with keys, types and names of nodes:
         ``{"elements": [{"node": ..., "guid": ..., "type": ..., "name": ...}]}``. Further fields of
@@ -156,7 +160,7 @@ def load_scene(
     path = path_of(path, "path")
     point = None if origin is None else _arrays.plain_shaped(origin, (3,), "origin").tolist()
     sidecar = None if names is None else path_of(names, "names")
-    file = _impinge.SceneFile(path, _unit(unit), point, sidecar, **_limits(max_bytes, max_triangles))
+    file = _impinge.SceneFile(path, (_unit(unit), _unit(file_unit)), point, sidecar, **_limits(max_bytes, max_triangles))
     _warn(path, file.warnings, is_empty=not file.names)
     meshes: dict[int, Mesh] = {}
     shared = file.meshes

@@ -202,7 +202,11 @@ class Mesh(PointQueries):
         >>> mesh.is_closed, repaired.is_closed
         (False, True)
         """
-        made, report = _impinge.repaired(self, real(weld, "weld", minimum=0.0), flag(orient, "orient"))
+        return self._repaired(real(weld, "weld", minimum=0.0), flag(orient, "orient"))
+
+    def _repaired(self, weld: float | None, orient: bool) -> tuple[Mesh, Repair]:
+        """Return a repaired copy; without a distance, vertices are welded to close the mesh."""
+        made, report = _impinge.repaired(self, weld, orient)
         return Mesh._of(made, self._origin), Repair(**report)
 
     def convex_parts(self, *, concavity: float | None = None, max_parts: int = 64) -> ConvexParts:

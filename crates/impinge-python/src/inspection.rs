@@ -49,34 +49,23 @@ pub(crate) fn closing_tolerance(mesh: &Bound<'_, PyAny>) -> PyResult<Option<f64>
 }
 
 /// Returns the repaired mesh, and a dict of the fields of `impinge.Repair`. `weld` is a distance in
-/// mesh units.
+/// mesh units, or `None` for that of `RepairOptions::closing`.
 #[pyfunction]
 pub(crate) fn repaired<'py>(
     mesh: &Bound<'py, PyAny>,
-    weld: f64,
+    weld: Option<f64>,
     orient: bool,
 ) -> PyResult<(MeshBase, Bound<'py, PyDict>)> {
     let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
-    let (mesh, repair) =
-        workers::run(py, move |_| mesh.repaired(RepairOptions { weld, orient }))?.map_err(|error| {
-            let (kind, _) = kind_and_place(&error);
-            Fault::new(kind, "weld", message(&error)).raised(py)
-        })?;
-    let Repair { welded_vertices, greatest_move, turned_faces, one_sided_faces, degenerate_faces, duplicate_faces } =
-        repair;
-    let named = PyDict::new(py);
-    named.set_item("greatest_move", greatest_move)?;
-    for (name, numbers) in [
-        ("welded_vertices", welded_vertices),
-        ("turned_faces", turned_faces),
-        ("one_sided_faces", one_sided_faces),
-        ("degenerate_faces", degenerate_faces),
-        ("duplicate_faces", duplicate_faces),
-    ] {
-        let len = numbers.len();
-        named.set_item(name, array(py, numbers, &[len])?)?;
-    }
-    Ok((MeshBase::of(&mesh), named))
+    let (mesh, repair) = workers::run(py, move |_| {
+        let weld = weld.unwrap_or_else(|| RepairOptions::closing(&mesh).weld);
+        mesh.repaired(RepairOptions { weld, orient })
+    })?
+    .map_err(|error| {
+        let (kind, _) = kind_and_place(&error);
+        Fault::new(kind, "weld", message(&error)).raised(py)
+    })?;
+    Ok((MeshBase::of(&mesh), fields_of(py, repair)?))
 }
 
 /// Computes the quality of a mesh's hierarchy, as a dict of the fields of `impinge.TreeStatistics`.
@@ -91,6 +80,24 @@ pub(crate) fn tree_statistics<'py>(mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'
     }
     for (name, share) in [("sah", sah), ("overlap", overlap), ("node_fill", node_fill), ("leaf_fill", leaf_fill)] {
         named.set_item(name, share)?;
+    }
+    Ok(named)
+}
+
+fn fields_of(py: Python<'_>, repair: Repair) -> PyResult<Bound<'_, PyDict>> {
+    let Repair { welded_vertices, greatest_move, turned_faces, one_sided_faces, degenerate_faces, duplicate_faces } =
+        repair;
+    let named = PyDict::new(py);
+    named.set_item("greatest_move", greatest_move)?;
+    for (name, numbers) in [
+        ("welded_vertices", welded_vertices),
+        ("turned_faces", turned_faces),
+        ("one_sided_faces", one_sided_faces),
+        ("degenerate_faces", degenerate_faces),
+        ("duplicate_faces", duplicate_faces),
+    ] {
+        let len = numbers.len();
+        named.set_item(name, array(py, numbers, &[len])?)?;
     }
     Ok(named)
 }

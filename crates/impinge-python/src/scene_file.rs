@@ -35,14 +35,15 @@ type Details = (String, String, Vec<String>, Vec<(String, String)>);
 
 #[pymethods]
 impl SceneFile {
-    /// Reads a file and builds its meshes, each of them once. Lengths are converted to `unit`, if
-    /// it is given, and then `origin` is subtracted. `names` is the path of a file with names.
+    /// Reads a file and builds its meshes, each of them once. `units` are that of the scene and that
+    /// of the numbers in the file. Lengths are converted, and then `origin` is subtracted. `names`
+    /// is the path of a file with names.
     #[new]
-    #[pyo3(signature = (path, unit, origin, names, max_bytes=None, max_triangles=None))]
+    #[pyo3(signature = (path, units, origin, names, max_bytes=None, max_triangles=None))]
     fn new(
         py: Python<'_>,
         path: PathBuf,
-        unit: Option<&str>,
+        units: (Option<&str>, Option<&str>),
         origin: Option<[f64; 3]>,
         names: Option<PathBuf>,
         max_bytes: Option<u64>,
@@ -50,7 +51,8 @@ impl SceneFile {
     ) -> PyResult<Self> {
         let mut limits = Limits::default();
         (limits.max_bytes, limits.max_triangles) = (max_bytes, max_triangles);
-        let options = SceneOptions { unit: unit_of(py, unit)?, origin, names, limits };
+        let options =
+            SceneOptions { unit: unit_of(py, units.0)?, file_unit: unit_of(py, units.1)?, origin, names, limits };
         let loaded = workers::run(py, move |_| {
             let mut model = load_scene(path, &options)?;
             let kept = |mesh: &mut impinge_files::SceneMesh| {

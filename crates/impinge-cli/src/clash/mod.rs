@@ -88,6 +88,18 @@ pub(crate) struct Arguments {
     /// Unit of the report: um, mm, cm, in, ft or m; files that state no unit are taken to be in it
     #[arg(long, value_name = "U")]
     unit: Option<Unit>,
+    /// Unit of the numbers in the files, in place of the one that they state: um, mm, cm, in, ft or m
+    ///
+    /// For example `mm` for a glTF file in millimeters, although glTF is in meters.
+    #[arg(long, value_name = "U")]
+    file_unit: Option<Unit>,
+    /// Repair open parts: turn faces so that neighbors agree, and weld vertices
+    ///
+    /// Many parts are closed then. The inside of a closed part is certain, so its depths are proved,
+    /// and the search takes less time. Vertices move by at most a millionth of the size of their
+    /// part. No hole is filled.
+    #[arg(long)]
+    repair: bool,
     /// Chordal error of tessellated surfaces, which is added to each tolerance twice, once for each
     /// part
     #[arg(long, value_name = "D", allow_hyphen_values = true)]

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use anstyle::{AnsiColor, Style};
 use impinge::clash::{DepthGap, Status};
-use impinge_files::{SceneAbout, escaped, length_text};
+use impinge_files::{Repaired, SceneAbout, escaped, length_text};
 
 use super::{Outcome, Seconds};
 use crate::numerals::{count, counted, length, time};
@@ -51,12 +51,34 @@ fn scenes(outcome: &Outcome<'_>) -> String {
         text += line.trim_end();
         text += "\n";
     }
+    text += &repairs(outcome.scenes());
     if outcome.scenes().iter().any(|scene| scene.open > 0) {
-        text += &format!(
-            "{FAINT}Depths of open parts are estimates: the inside of an open part is not certain.{FAINT:#}\n"
+        let _ = writeln!(
+            text,
+            "{FAINT}Depths of open parts are estimates: the inside of an open part is not certain.{FAINT:#}"
         );
     }
+    let repairable: usize = outcome.scenes().iter().map(|scene| scene.repairable).sum();
+    if repairable > 0 {
+        let _ = writeln!(text, "{FAINT}--repair improves {} of them.{FAINT:#}", count(repairable));
+    }
     text
+}
+
+/// Returns what `--repair` changed in each scene.
+fn repairs(scenes: &[SceneAbout]) -> String {
+    let line = |scene: &SceneAbout| {
+        let Repaired { parts, closed, turned_faces, welded_vertices } = scene.repaired?;
+        let welded = if welded_vertices == 1 { "vertex" } else { "vertices" };
+        let changes = format!("{} turned, {} {welded} welded", counted(turned_faces, "face"), count(welded_vertices));
+        let parts = counted(parts, "part");
+        Some(format!(
+            "{FAINT}repaired  {FAINT:#}{}  {parts}, {} closed now: {changes}\n",
+            escaped(&scene.label),
+            count(closed)
+        ))
+    };
+    scenes.iter().filter_map(line).collect()
 }
 
 fn scene_row(outcome: &Outcome<'_>, scene: &SceneAbout) -> [String; 6] {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use impinge::scene::Scene;
-use impinge_files::{Format, SceneAbout, SceneOptions, Unit, load_scene};
+use impinge_files::{Format, Repaired, SceneAbout, SceneOptions, Unit, load_scene};
 use rayon::prelude::*;
 
 use super::Arguments;
@@ -21,6 +21,8 @@ pub(super) struct Loaded {
     pub(super) is_gltf: bool,
     origin: [f64; 3],
     warnings: Vec<String>,
+    /// Changes of `--repair`.
+    repaired: Option<Repaired>,
 }
 
 /// Extensions of files that have to be converted first, and the command that does it.
@@ -60,7 +62,8 @@ pub(super) fn load(arguments: &Arguments) -> Result<Vec<Loaded>, Failure> {
     let names = names(arguments, &files)?;
     let load_all = |unit: Option<Unit>, origin: Option<[f64; 3]>| -> Result<Vec<Loaded>, Failure> {
         let load = |((label, path), names): (&(String, PathBuf), &Option<PathBuf>)| {
-            let options = SceneOptions { unit, origin, names: names.clone(), ..SceneOptions::default() };
+            let file_unit = arguments.file_unit;
+            let options = SceneOptions { unit, file_unit, origin, names: names.clone(), ..SceneOptions::default() };
             load_one(label, path, &options)
         };
         files.par_iter().zip(&names).map(load).collect::<Vec<_>>().into_iter().collect()
@@ -79,6 +82,9 @@ pub(super) fn load(arguments: &Arguments) -> Result<Vec<Loaded>, Failure> {
     }
     if arguments.shift {
         loaded = load_all(unit, Some(middle(&loaded)))?;
+    }
+    for scene in loaded.iter_mut().filter(|_| arguments.repair) {
+        scene.repaired = Some(Repaired::of(&scene.scene.repair()));
     }
     for scene in &loaded {
         for warning in &scene.warnings {
@@ -108,7 +114,16 @@ fn load_one(label: &str, path: &Path, options: &SceneOptions) -> Result<Loaded, 
     let (unit, origin) = (model.unit, model.origin);
     let is_gltf = matches!(model.format, Format::Gltf | Format::Glb);
     let scene = model.into_scene(|mesh| mesh.solid().into()).map_err(|error| Failure::from(error).in_file(path))?;
-    Ok(Loaded { label: label.to_owned(), scene, unit, path: path.to_owned(), is_gltf, origin, warnings })
+    Ok(Loaded {
+        label: label.to_owned(),
+        scene,
+        unit,
+        path: path.to_owned(),
+        is_gltf,
+        origin,
+        warnings,
+        repaired: None,
+    })
 }
 
 /// Returns the file of names of each scene: that with its label, or else that without a label.
@@ -156,6 +171,7 @@ impl Loaded {
             unit: self.unit.map(Unit::symbol),
             origin: Some(self.origin).filter(|origin| *origin != [0.0; 3]),
             warnings: self.warnings.clone(),
+            repaired: self.repaired,
             ..SceneAbout::new(self.label.clone(), &self.scene)
         }
     }

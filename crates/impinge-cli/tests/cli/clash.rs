@@ -288,6 +288,43 @@ fn outputs_and_inputs_are_validated_before_any_work() {
     assert_eq!(folder.run("clash missing.obj").code, 2);
 }
 
+/// The first side of the wall is turned, and the pipe has no end.
+#[test]
+fn a_repair_closes_the_parts_that_only_have_turned_faces() {
+    let folder = folder();
+    let turned = house().replacen("f 1 3 4 2", "f 2 4 3 1", 1).replacen("f 13 14 16 15\n", "", 1);
+    folder.write("turned.obj", &turned);
+    let run = folder.run("clash turned.obj --unit m");
+    assert!(run.stdout.contains("2 open parts") && run.stdout.contains("--repair improves 1 of them"), "{run:?}");
+    let run = folder.run("clash turned.obj --unit m --repair");
+    for part in ["repaired  turned  1 part, 1 closed now: 2 faces turned, 0 vertices welded", "1 open part\n"] {
+        assert!(run.stdout.contains(part), "{part}: {run:?}");
+    }
+    assert!(!run.stdout.contains("--repair improves"), "{run:?}");
+    let report = json(&folder.run("clash turned.obj --unit m --repair --json"));
+    let scene = &report["scenes"][0];
+    assert_eq!(
+        scene["repaired"],
+        serde_json::json!({ "parts": 1, "closed": 1, "turned_faces": 2, "welded_vertices": 0 })
+    );
+    assert!(scene["repairable"].is_null() && scene["open"] == 1);
+    let whole = json(&folder.run("clash house.obj --unit m --repair --json"));
+    assert_eq!(clashes(&report), clashes(&whole));
+    assert_eq!(whole["scenes"][0]["repaired"]["parts"], 0);
+}
+
+#[test]
+fn numbers_may_be_in_another_unit_than_the_file_states() {
+    let folder = folder();
+    let report = json(&folder.run("clash house.obj --file-unit mm --unit m --tolerance 1um --json"));
+    assert_eq!(report["unit"], "m");
+    let top = report["scenes"][0]["box"][1][2].as_f64().unwrap();
+    assert!((top - 0.01).abs() < 1e-8, "{top}");
+    assert_eq!(clashes(&report), ["clash pipe wall new"]);
+    let run = folder.run("clash house.obj --file-unit mm");
+    assert!(run.stdout.contains("10.00 x 10.00 x 10.00 mm") && run.stdout.contains("by 0.125 mm"), "{run:?}");
+}
+
 #[test]
 fn shifted_scenes_have_the_same_clashes() {
     let folder = folder();

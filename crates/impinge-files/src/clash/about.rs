@@ -4,7 +4,8 @@ use std::collections::HashMap;
 
 use impinge::Mesh;
 use impinge::clash::Rules;
-use impinge::scene::{PartId, Scene};
+use impinge::mesh::Repair;
+use impinge::scene::{PartId, RepairedPart, Scene};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -40,6 +41,12 @@ pub struct SceneAbout {
     pub triangles: usize,
     /// Number of parts whose mesh is open.
     pub open: usize,
+    /// Number of open parts that [`Scene::repair`] would change; absent if it would change none.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub repairable: usize,
+    /// Changes that a repair made; absent without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repaired: Option<Repaired>,
     /// Lower and upper corner of the box around all parts; absent without bounded parts.
     #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
     pub bounds: Option<[[f64; 3]; 2]>,
@@ -49,6 +56,33 @@ pub struct SceneAbout {
     /// Warnings of the reader.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
+}
+
+/// What a repair of open parts changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Repaired {
+    /// Number of parts that changed.
+    pub parts: usize,
+    /// Number of these parts that are closed now.
+    pub closed: usize,
+    /// Number of faces that were turned.
+    pub turned_faces: usize,
+    /// Number of vertices that were moved to another vertex.
+    pub welded_vertices: usize,
+}
+
+impl Repaired {
+    /// Counts the changes of [`Scene::repair`].
+    #[must_use]
+    pub fn of(parts: &[RepairedPart]) -> Self {
+        let count = |of: fn(&Repair) -> &Vec<u32>| parts.iter().map(|part| of(&part.repair).len()).sum();
+        Self {
+            parts: parts.len(),
+            closed: parts.iter().filter(|part| part.is_closed).count(),
+            turned_faces: count(|repair| &repair.turned_faces),
+            welded_vertices: count(|repair| &repair.welded_vertices),
+        }
+    }
 }
 
 /// The question of a search. What was not asked is absent. Lengths are in world units.
@@ -90,9 +124,15 @@ fn is_false(value: &bool) -> bool {
     !value
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(value: &usize) -> bool {
+    *value == 0
+}
+
 impl SceneAbout {
-    /// Counts the parts, the triangles and the open parts of a scene, on all threads of the current
-    /// rayon pool. Each mesh is examined once, however many parts share it.
+    /// Counts the parts, the triangles and the open parts of a scene, and the parts that a repair
+    /// would change, on all threads of the current rayon pool. Each mesh is examined once, however
+    /// many parts share it.
     #[must_use]
     pub fn new(label: impl Into<String>, scene: &Scene) -> Self {
         let parts: Vec<PartId> = scene.parts().collect();
@@ -103,6 +143,7 @@ impl SceneAbout {
         }
         let meshes: Vec<(&Mesh, usize)> = uses.into_values().collect();
         let open = meshes.par_iter().filter(|(mesh, _)| !mesh.is_closed()).map(|(_, uses)| uses).sum();
+        let repairable = if open == 0 { 0 } else { scene.clone().repair().len() };
         let triangles = meshes.iter().map(|(mesh, uses)| mesh.faces().len() * uses).sum();
         let mut bounds: Option<[[f64; 3]; 2]> = None;
         for &part in &parts {
@@ -115,6 +156,6 @@ impl SceneAbout {
                 (std::array::from_fn(|k| low[k].min(min[k])), std::array::from_fn(|k| high[k].max(max[k])));
             bounds = Some([low, high]);
         }
-        Self { label: label.into(), parts: parts.len(), triangles, open, bounds, ..Self::default() }
+        Self { label: label.into(), parts: parts.len(), triangles, open, repairable, bounds, ..Self::default() }
     }
 }

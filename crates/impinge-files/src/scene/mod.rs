@@ -33,6 +33,9 @@ pub struct SceneOptions {
     /// Unit of the scene. If the file states another unit, lengths are converted. A file without a
     /// unit is taken to be in this unit. `None` keeps the unit of the file.
     pub unit: Option<Unit>,
+    /// Unit of the numbers in the file, in place of the one that the file states. For files whose
+    /// numbers are in millimeters, for example, although glTF is in meters.
+    pub file_unit: Option<Unit>,
     /// Point that becomes the origin of the scene, in the frame of the file and the unit of the
     /// scene. It is subtracted in f64, before any coordinate is rounded to f32. So a model far from
     /// the origin, for example in UTM coordinates, keeps its millimeters. `None` subtracts nothing.
@@ -103,7 +106,7 @@ fn read(
         return Err(LoadError::syntax("a finite origin", format!("{origin:?}").as_bytes()));
     }
     let content = Content::of(bytes, named, &options.limits)?;
-    let frame = |stated| SceneFrame::new(stated, options.unit, origin);
+    let frame = |stated| SceneFrame::new(options.file_unit.or(stated), options.unit, origin);
     let mut draft = match content.format {
         Format::Gltf | Format::Glb => {
             assembly::read(&content.bytes, content.format, folder, frame(Some(Unit::Meter)), &options.limits)?
