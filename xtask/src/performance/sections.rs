@@ -198,11 +198,11 @@ over a ratio of 1,000 (pareto). parry3d is left out where it would need gigabyte
     Section {
         heading: "Clashes of buildings beside IfcClash",
         about: "\
-Clashes deeper than 2 mm, or parts nearer than 10 mm, with two threads: median. Both search the same
-triangles, and preparing the parts is included. Depths by exact booleans say which pairs of closed
-parts are deeper: the table counts the pairs that IfcClash misses, and those that it reports
-although they are not deeper. impinge has none of both. It also computes how deep each pair is, and
-searches pairs with an open part, such as windows, which take most of its time in these buildings.",
+Clashes deeper than 2 mm (intersection), or parts nearer than 10 mm (clearance), of the same
+triangles on two cores: median, with the time for preparing the parts. Depths by exact booleans tell
+which pairs of closed parts are deeper. The table counts the pairs that IfcClash misses, and those
+that it reports although they are not deeper. impinge has no such pair. It also finds how deep each
+pair is. In the duplex, pairs with an open part, such as a window, take nine tenths of its time.",
         bench: "clash",
         pivot: Pivot {
             cases: "building and question",
