@@ -29,7 +29,7 @@ IMAGES = ROOT / "docs" / "images"
 HUMAN = DATA / "human_makehuman_cc0.ply"
 GANTRY = DATA / "robots" / "gantry.urdf"
 GEARBOX = [str(DATA / "cad_cycloidal_gearbox.glb"), "--file-unit", "mm", "--tolerance", "10um", "--repair"]
-"""A gearbox whose numbers are millimeters, although glTF is in meters, and the question about it."""
+"""A gearbox in millimeters, although glTF is in meters, and the question about it."""
 MAX_BYTES = 150_000
 """Maximum size of a picture. A clone of the repository has all of them."""
 

@@ -160,7 +160,8 @@ def load_scene(
     path = path_of(path, "path")
     point = None if origin is None else _arrays.plain_shaped(origin, (3,), "origin").tolist()
     sidecar = None if names is None else path_of(names, "names")
-    file = _impinge.SceneFile(path, (_unit(unit), _unit(file_unit)), point, sidecar, **_limits(max_bytes, max_triangles))
+    units = (_unit(unit), _unit(file_unit))
+    file = _impinge.SceneFile(path, units, point, sidecar, **_limits(max_bytes, max_triangles))
     _warn(path, file.warnings, is_empty=not file.names)
     meshes: dict[int, Mesh] = {}
     shared = file.meshes

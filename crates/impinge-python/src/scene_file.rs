@@ -35,9 +35,9 @@ type Details = (String, String, Vec<String>, Vec<(String, String)>);
 
 #[pymethods]
 impl SceneFile {
-    /// Reads a file and builds its meshes, each of them once. `units` are that of the scene and that
-    /// of the numbers in the file. Lengths are converted, and then `origin` is subtracted. `names`
-    /// is the path of a file with names.
+    /// Reads a file and builds its meshes, each of them once. `units` are that of the scene and
+    /// that of the numbers in the file. Lengths are converted, and then `origin` is subtracted.
+    /// `names` is the path of a file with names.
     #[new]
     #[pyo3(signature = (path, units, origin, names, max_bytes=None, max_triangles=None))]
     fn new(

@@ -1,5 +1,6 @@
 //! `impinge clash`: finds the parts of scenes that run into each other.
 
+mod choices;
 mod handover;
 mod notes;
 mod report;
@@ -7,8 +8,8 @@ mod scenes;
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
-use impinge::clash::{Accept, ClashError, Grouping, Job, Options, Previous, Report, Rules, Side, default_tolerance};
+use clap::Args;
+use impinge::clash::{Accept, ClashError, Job, Options, Previous, Report, Rules, Side, default_tolerance};
 use impinge::query::batch::Execution;
 use impinge_files::{
     Asked, Length, Limits, ReportAbout, RulesFile, RulesFormat, SceneAbout, Unit, load_rules, write_clash_csv,
@@ -22,6 +23,7 @@ use crate::check::timed;
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::{Verdict, console, output};
+use choices::{BcfVersionArgument, GroupingArgument};
 use handover::HandedOver;
 use scenes::Loaded;
 
@@ -88,16 +90,17 @@ pub(crate) struct Arguments {
     /// Unit of the report: um, mm, cm, in, ft or m; files that state no unit are taken to be in it
     #[arg(long, value_name = "U")]
     unit: Option<Unit>,
-    /// Unit of the numbers in the files, in place of the one that they state: um, mm, cm, in, ft or m
+    /// Unit of the numbers in the files, in place of the one that they state: um, mm, cm, in, ft or
+    /// m
     ///
     /// For example `mm` for a glTF file in millimeters, although glTF is in meters.
     #[arg(long, value_name = "U")]
     file_unit: Option<Unit>,
     /// Repair open parts: turn faces so that neighbors agree, and weld vertices
     ///
-    /// Many parts are closed then. The inside of a closed part is certain, so its depths are proved,
-    /// and the search takes less time. Vertices move by at most a millionth of the size of their
-    /// part. No hole is filled.
+    /// Many parts are closed then. The inside of a closed part is certain, so its depths are
+    /// proved, and the search takes less time. Vertices move by at most a millionth of the size of
+    /// their part. No hole is filled.
     #[arg(long)]
     repair: bool,
     /// Chordal error of tessellated surfaces, which is added to each tolerance twice, once for each
@@ -134,28 +137,6 @@ pub(crate) struct Arguments {
     /// Number of threads to use; all processors by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
     threads: Option<u16>,
-}
-
-/// Values of `--group`.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum GroupingArgument {
-    /// By the part that most clashes share
-    Part,
-    /// By the types of both parts
-    Type,
-    /// By the scenes of both parts
-    Scene,
-    /// Not at all
-    None,
-}
-
-/// Values of `--bcf-version`.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum BcfVersionArgument {
-    #[value(name = "2.1")]
-    V2,
-    #[value(name = "3.0")]
-    V3,
 }
 
 /// All results of a search.
@@ -246,12 +227,7 @@ fn options<'o>(
         between: arguments.between,
         rules,
         previous,
-        grouping: match arguments.group {
-            GroupingArgument::Part => Grouping::Part,
-            GroupingArgument::Type => Grouping::Type,
-            GroupingArgument::Scene => Grouping::Scene,
-            GroupingArgument::None => Grouping::None,
-        },
+        grouping: arguments.group.into(),
     }
 }
 

@@ -58,7 +58,7 @@ pub struct SceneAbout {
     pub warnings: Vec<String>,
 }
 
-/// What a repair of open parts changed.
+/// Numbers of changes that a repair of open parts made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Repaired {
     /// Number of parts that changed.

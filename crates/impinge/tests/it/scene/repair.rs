@@ -11,8 +11,8 @@ use impinge_testkit::generate::solids::{cuboid, icosphere};
 
 use super::mesh;
 
-/// A solid with some turned faces, with corners that are not quite the same in each face, or
-/// without a face.
+/// Returns a solid with some turned faces, with corners that are not quite the same in each face,
+/// or without a face.
 fn damaged(rng: &mut Rng, plain: &impinge_testkit::Mesh, damage: usize) -> Mesh {
     let mut plain = plain.clone();
     match damage {
