@@ -50,7 +50,8 @@ from impinge._robot_audit import RobotAudit
 from impinge._robot_joint import Joint
 from impinge._robot_motion import RobotClearance, RobotMotion
 from impinge._robot_report import RobotReport
-from impinge._scene import Scene, SceneReport
+from impinge._scene import Scene
+from impinge._scene_report import SceneReport
 from impinge._shape import Shape
 from impinge._show import show
 from impinge._solid_bsp import SolidBsp
