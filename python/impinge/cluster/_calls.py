@@ -148,7 +148,7 @@ class Rows:
         own = poses.shape[:-2]
         if not self.axes:
             return poses
-        if int(np.prod(own)) == 1:
+        if poses.size == 16:
             return poses.reshape(1, 4, 4)
         if own == self.axes:
             return poses.reshape(-1, 4, 4)[run]  # a view, which is sent without another copy

@@ -71,7 +71,12 @@ class SceneRows(Call):
 
     def arguments_of(self, task: int) -> tuple[Any, ...]:
         """Return the poses of the parts in the configurations of a task, and the options."""
-        return Placed(self._which, self._rows.of(task), self._solid), self._ignored, self._options
+        poses: list[Any] = self._rows.of(task)
+        fixed = [at for at, pose in enumerate(poses) if pose is not None and pose.size == 16]
+        stacked = np.stack([poses[at] for at in fixed]) if fixed else None
+        for index, at in enumerate(fixed):
+            poses[at] = index
+        return Placed(self._which, poses, self._solid, stacked), self._ignored, self._options
 
     def _input(self) -> tuple[Any, ...]:
         return self._which, self._solid, self._ignored, self._options, self._rows.axes, *self._rows.poses

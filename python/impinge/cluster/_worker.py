@@ -137,14 +137,20 @@ class Placed:
     which: list[int]
     """For each part, its index among the distinct parts of the task."""
     poses: Any
-    """For each part, its poses or None; or an array of one pose for each part."""
+    """For each part, its poses, or None, or the index of its pose in `fixed`; or an array of one
+    pose for each part."""
     solid: bool
     """Whether meshes are solids."""
+    fixed: NDArray[np.float64] | None = None
+    """Poses of parts that do not move, in one array, which is sent faster than many."""
 
     def of(self, parts: list[AnyShape]) -> list[tuple[str, Any, bool, Any]]:
         """Return the parts in the form that the extension takes."""
         numbered = enumerate(zip(self.which, self.poses, strict=True))
-        return [(str(at), parts[part], self.solid, pose) for at, (part, pose) in numbered]
+        return [(str(at), parts[part], self.solid, self._pose(pose)) for at, (part, pose) in numbered]
+
+    def _pose(self, pose: Any) -> Any:
+        return self.fixed[pose] if isinstance(pose, int) and self.fixed is not None else pose
 
 
 def scene_rows(
