@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from impinge import _arrays, _impinge
+from impinge._baked_scene import BakedScene, is_baked_scene
 from impinge._details import Details
 from impinge._errors import InputError, LoadWarning
 from impinge._mesh import Mesh
 from impinge._origin import Origin, origin_of
 from impinge._scalars import path_of, whole
 from impinge._scene import Scene
+from impinge._stored import stored_at
 
 
 def load(
@@ -83,8 +85,12 @@ def load(
     array([0, 0], dtype=uint32)
     """
     path = path_of(path, "path")
+    # The header is read before the file. So it differs from that of a file that replaces it.
+    stored = stored_at(path) if unit is None and path.lower().endswith(".impinge") else None
     model = _model(path, unit, max_bytes, max_triangles)
-    return Mesh._of(model, origin_of(model, path))
+    mesh = Mesh._of(model, origin_of(model, path))
+    mesh._stored = stored
+    return mesh
 
 
 def load_scene(
@@ -105,7 +111,8 @@ def load_scene(
     Parameters
     ----------
     path : str or os.PathLike
-        As for `load`.
+        As for `load`; or a folder that `Scene.bake` wrote, without other arguments. Its meshes are
+        mapped and validated, not built, so they may be larger than memory.
     unit : {"um", "mm", "cm", "in", "ft", "m"}, optional
         As for `load`.
     file_unit : {"um", "mm", "cm", "in", "ft", "m"}, optional
@@ -158,6 +165,9 @@ def load_scene(
     'wall'
     """
     path = path_of(path, "path")
+    if is_baked_scene(path):
+        others = {"unit": unit, "names": names, "origin": origin}
+        return _baked_scene(path, {**others, "max_bytes": max_bytes, "max_triangles": max_triangles})
     point = None if origin is None else _arrays.plain_shaped(origin, (3,), "origin").tolist()
     sidecar = None if names is None else path_of(names, "names")
     units = (_unit(unit), _unit(file_unit))
@@ -174,6 +184,16 @@ def load_scene(
     about = (Details(key, kind, tuple(path), dict(extras)) for key, kind, path, extras in file.details)
     poses = dict(zip(parts, file.poses, strict=True))
     return Scene(parts, poses=poses, details=dict(zip(parts, about, strict=True)))
+
+
+def _baked_scene(folder: str, others: dict[str, object]) -> Scene:
+    """Return the scene in a folder, for which no other argument may be given."""
+    for name, value in others.items():
+        if value is not None:
+            message = "does not apply to a folder that Scene.bake wrote"
+            raise InputError(message, kind="option", what=name, hint="pass it when the original file is loaded")
+    made = BakedScene(folder)
+    return Scene(made.parts, poses=made.poses, details=made.details, ignored=made.ignored, solid=made.solid)
 
 
 def _model(path: str, unit: str | None, max_bytes: int | None, max_triangles: int | None) -> _impinge.Model:

@@ -16,6 +16,7 @@ from impinge._inspection import Health, Repair, TreeStatistics
 from impinge._mesh_points import PointQueries
 from impinge._origin import Origin, origin_of
 from impinge._scalars import chosen, flag, path_of, real, whole
+from impinge._stored import Stored
 
 if TYPE_CHECKING:
     from typing_extensions import Buffer
@@ -75,10 +76,12 @@ class Mesh(PointQueries):
     array([[0, 1, 2]], dtype=uint32)
     """
 
-    __slots__ = ("_cached_snapshot", "_origin")
+    __slots__ = ("_cached_snapshot", "_origin", "_stored")
     _origin: Origin | None
     _cached_snapshot: Mesh | None
-    """Result of `_snapshot`; None before the first call and after a refit."""
+    """Result of `_snapshot`; None before the first call and after a change."""
+    _stored: Stored | None
+    """Place of the mesh in a file that it was loaded from; None after a change."""
 
     def __new__(cls, vertices: ArrayLike | HasTriangles, faces: ArrayLike | None = None) -> Mesh:
         """Validate the arrays and build the hierarchy."""
@@ -89,7 +92,7 @@ class Mesh(PointQueries):
                 raise InputError(message, kind="type", what="faces")
             positions, faces = positions.vertices, positions.faces
         self = super().__new__(cls, _arrays.plain_cloud(positions, "vertices"), _arrays.plain_faces(faces))
-        self._origin = self._cached_snapshot = None
+        self._origin = self._cached_snapshot = self._stored = None
         return self
 
     @classmethod
@@ -97,6 +100,8 @@ class Mesh(PointQueries):
         """Return the mesh of a file, or a mesh that shares all data of another one."""
         made: Mesh = _impinge.MeshBase.__new__(cls, source, None)
         made._origin, made._cached_snapshot = origin, None
+        # A change of the source clears the place first. So the place belongs to the shared state.
+        made._stored = source._stored if isinstance(source, Mesh) else None
         return made
 
     @classmethod
@@ -305,7 +310,9 @@ class Mesh(PointQueries):
         >>> mesh.vertices[0], mesh.aging
         (array([0., 0., 5.]), 1.0)
         """
-        self.move_vertices(_arrays.plain_cloud(vertices, "vertices"))
+        positions = _arrays.plain_cloud(vertices, "vertices")
+        self._stored = None
+        self.move_vertices(positions)
         self._cached_snapshot = None
 
     def refitted(self, vertices: ArrayLike) -> Mesh:
@@ -327,7 +334,7 @@ class Mesh(PointQueries):
             As for `refit`.
         """
         moved = super().__new__(Mesh, _arrays.plain_cloud(vertices, "vertices"), self)
-        moved._origin, moved._cached_snapshot = self._origin, None
+        moved._origin, moved._cached_snapshot, moved._stored = self._origin, None, None
         return moved
 
     @property
@@ -366,7 +373,10 @@ class Mesh(PointQueries):
         >>> mesh.aging
         1.0
         """
-        super().rebuild(chosen(builder, get_args(BuilderName), "builder"))
+        name = chosen(builder, get_args(BuilderName), "builder")
+        self._stored = None
+        super().rebuild(name)
+        self._cached_snapshot = None
 
     def bake(self, path: str | os.PathLike[str], *, proxies: bool = False) -> None:
         """Write the mesh with its hierarchy to a file that `impinge.load` maps without building.

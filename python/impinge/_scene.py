@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping
 from copy import copy
 from itertools import combinations
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from impinge import _arrays, _impinge
+from impinge._baked_scene import bake_scene
 from impinge._details import Details
 from impinge._engine import engine
 from impinge._errors import InputError
@@ -19,7 +21,7 @@ from impinge._mesh import Mesh
 from impinge._parts import parts_of, unit_of, up_of
 from impinge._picture import Picture
 from impinge._rows import Statuses
-from impinge._scalars import chosen, flag, real
+from impinge._scalars import chosen, flag, path_of, real
 from impinge._scene_report import SceneReport
 from impinge._shape import AnyShape, Shape
 
@@ -232,6 +234,39 @@ class Scene:
         if on_error == "status":
             answer, status = answer
         return SceneReport(self, answer, status, stopped_at_first=first)
+
+    def bake(self, folder: str | os.PathLike[str]) -> None:
+        """Write the scene to a folder that `load_scene` maps, so that it may be larger than memory.
+
+        If the folder has a baked scene already, the parts are added to it. So models that do not
+        fit in memory together can be baked one after the other. Do not bake into one folder from
+        two processes at a time, and do not change its files while they are in use.
+
+        Parameters
+        ----------
+        folder : str or os.PathLike
+            A folder, which is made if it does not exist. It gets the meshes with their hierarchies,
+            each once, and the poses, the details and the ignored pairs.
+
+        Raises
+        ------
+        InputError
+            If a part is a `Shape`, or if the folder has a part with the same name, or a scene with
+            another `solid`, or a damaged one.
+        OSError
+            If the folder cannot be read or written.
+
+        Examples
+        --------
+        >>> import impinge, pathlib, tempfile
+        >>> triangle = impinge.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     impinge.Scene({"a": triangle, "b": triangle}).bake(folder)
+        ...     impinge.Scene({"c": triangle}).bake(folder)
+        ...     impinge.load_scene(folder)
+        Scene(3 parts, 3 pairs)
+        """
+        bake_scene(self, path_of(folder, "folder"))
 
     def _picture(self, size: list[int], view: list[float], up: str) -> Picture:
         """Return a picture of all bounded parts."""

@@ -1,4 +1,4 @@
-"""Pairs of parts that a check of a scene found."""
+"""Pairs of parts that a check of a scene found, in each configuration."""
 
 from __future__ import annotations
 

@@ -2,11 +2,10 @@
 
 import gc
 import json
-import os
+import pickle
 import signal
 import subprocess
 import sys
-import threading
 import time
 import weakref
 from pathlib import Path
@@ -129,7 +128,8 @@ def test_an_interrupted_call_continues_from_its_checkpoint(nodes, expected, smal
     def interrupt(self, call, task, answer):
         add(self, call, task, answer)
         if len(self.answers(call)) == 10:
-            threading.Timer(0.0, os.kill, (os.getpid(), signal.SIGINT)).start()
+            # The signal comes between two calls of Ray in each run of the test.
+            signal.raise_signal(signal.SIGINT)
 
     with monkeypatch.context() as patch:
         patch.setattr(Checkpoint, "add", interrupt)
@@ -177,6 +177,83 @@ def test_damaged_parts_and_other_versions_are_errors(nodes, monkeypatch):
             with pytest.raises(impinge.cluster.ClusterError, match=r"the caller has impinge 0\.0\.1"):
                 impinge.intersects(a, b, on=cluster)
         assert impinge.intersects(a, b, on=cluster) == impinge.intersects(a, b)
+
+
+def run_when_loaded(action, part):
+    """Returns the bytes of a shape whose worker runs an action when it loads them."""
+
+    class Acting:
+        def __reduce__(self):
+            return eval, (f"({action}, __import__('pickle').loads({pickle.dumps(part)!r}))[1]",)
+
+    return pickle.dumps(Acting())
+
+
+KILL = "__import__('os').kill(__import__('os').getpid(), 9)"
+FAULTS = {
+    "a worker is killed once": "__import__('os').path.exists({flag!r}) or (open({flag!r}, 'x').close(), " + KILL + ")",
+    "a worker is killed each time": KILL,
+    "an allocation fails": "__import__('numpy').zeros(1 << 46)",
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_worker_without_memory_is_repeated_or_an_error(nodes, monkeypatch, tmp_path, fault):
+    action = FAULTS[fault].format(flag=str(tmp_path / "flag"))
+    ball, mesh, poses = impinge.Shape.sphere(1.25), impinge.Mesh(*torus()), random_poses(64, 2.0, 3)
+    bytes_of = _parcels._bytes_of
+    faulty = {ball: run_when_loaded(action, ball)}
+    monkeypatch.setattr(_parcels, "_bytes_of", lambda part: faulty.get(part) or bytes_of(part))
+    monkeypatch.setattr(_session, "_MAX_RETRIES", 2)
+    with impinge.cluster.ray(nodes.address) as cluster:
+        if fault == "a worker is killed once":
+            assert same(
+                impinge.intersects(ball, mesh, None, poses, on=cluster), impinge.intersects(ball, mesh, None, poses)
+            )
+            assert (tmp_path / "flag").exists()
+        elif fault == "an allocation fails":
+            with pytest.raises(MemoryError, match="Unable to allocate"):
+                impinge.intersects(ball, mesh, None, poses, on=cluster)
+        else:
+            with pytest.raises(impinge.cluster.ClusterError, match=r"task 1 of 1 of intersects: WorkerCrashedError"):
+                impinge.intersects(ball, mesh, None, poses, on=cluster)
+
+
+def test_a_lost_object_is_an_error(nodes, small_tasks, monkeypatch):
+    node = nodes.add_node(**NODE, resources={"lost": 1})
+    put = ray.put
+    lost = []
+
+    def put_and_lose(value):
+        """Puts the first parcel from a node that is killed then."""
+        if lost:
+            return put(value)
+        lost.extend(ray.get(ray.remote(resources={"lost": 1})(lambda: [put(value)]).remote()))
+        nodes.remove_node(node, allow_graceful=False)
+        return lost[0]
+
+    with impinge.cluster.ray(nodes.address) as cluster:
+        with monkeypatch.context() as patch:
+            patch.setattr(ray, "put", put_and_lose)
+            with pytest.raises(impinge.cluster.ClusterError, match=r"task .* of pairs: OwnerDiedError"):
+                SCENE.check(POSES, on=cluster, **QUESTION)
+        assert lost
+        assert impinge.intersects(impinge.Mesh(*cube()), impinge.Mesh(*torus()), on=cluster)
+
+
+def test_parts_in_a_shared_folder_are_mapped_on_each_node(nodes, expected, small_tasks, tmp_path):
+    SCENE.bake(tmp_path / "building")
+    scene = impinge.load_scene(tmp_path / "building")
+    with impinge.cluster.ray(nodes.address, shared=tmp_path) as cluster:
+        report = scene.check(POSES, on=cluster, **QUESTION)
+        assert cluster.work.bytes_put == 0
+        assert cluster.work.bytes_mapped > 3 * 1000
+        assert len(cluster.work.memory) == 3
+        assert all(1 << 24 < memory < 1 << 30 for memory in cluster.work.memory.values())
+        assert same_reports(report, expected)
+        (tmp_path / "building" / "meshes").unlink()
+        assert same_reports(scene.check(POSES, on=cluster, **QUESTION), expected)
+        assert cluster.work.bytes_put > 0
 
 
 def write_scene(path, count):

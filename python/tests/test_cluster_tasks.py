@@ -171,6 +171,16 @@ def test_configurations_of_a_scene_have_the_bytes_of_a_local_check(cluster, stop
     assert same_reports(scene.check(poses, on=cluster, **with_status), scene.check(poses, **with_status))
 
 
+def test_ignored_pairs_are_ignored_in_each_configuration(cluster):
+    scene = impinge.Scene({"a": CUBE, "b": CUBE, "c": TORUS}, ignored=[("a", "b"), ("c", "a")])
+    poses = {"c": impinge.pose(np.linspace([0, 0, 0], [9, 0, 0], 40))}
+    report = scene.check(poses, stop="all", on=cluster)
+    assert cluster.work.tasks == 7
+    assert same_reports(report, scene.check(poses, stop="all"))
+    assert report.names(0) == [("b", "c")]
+    assert 0.1 < report.intersects.mean() < 0.9
+
+
 def test_scenes_without_parts_or_configurations_are_answered(cluster):
     for parts in ({}, {"a": CUBE}, {"a": CUBE, "b": CUBE}):
         scene = impinge.Scene(parts)
@@ -375,3 +385,18 @@ def test_tasks_of_pairs_are_bounded_and_close_together():
     faces = np.array([_scenes.faces(part) for part in call.parts])
     costs = [int((faces[run].sum(axis=1) + _scenes._COST_OF_PAIR).sum()) for run in runs]
     assert max(costs) < _scenes._LEAST_COST + 2 * faces.max() + _scenes._COST_OF_PAIR
+
+
+def test_pairs_of_large_parts_are_few_tasks_and_never_one_for_several_huge_pairs():
+    pairs = np.array([[at, at + 1] for at in range(0, 40_000, 2)], np.uint32)
+    large = np.full(40_000, 250_000)
+    small = np.full(40_000, 100)
+    ends = _scenes.cut(pairs, large, _scenes._MOST_FACES)
+    assert len(ends) - 1 == _scenes._MOST_TASKS
+    assert len(_scenes.cut(pairs, large)) - 1 > 1150  # clashes visit all faces
+    assert np.array_equal(_scenes.cut(pairs, small, _scenes._MOST_FACES), _scenes.cut(pairs, small))
+    assert len(_scenes.cut(pairs[:10], 8 * large, _scenes._MOST_FACES)) - 1 == 10
+    many = np.tile(pairs, (40, 1))
+    counts = np.diff(_scenes.cut(many, large, _scenes._MOST_FACES))
+    limited = counts * (2 * _scenes._MOST_FACES + _scenes._COST_OF_PAIR)
+    assert _scenes._MOST_COST // 2 < limited[:-1].min() <= limited.max() < 1.1 * _scenes._MOST_COST

@@ -30,9 +30,17 @@ _FACES_OF_SHARE = 1 << 16
 """Number of faces of two meshes for each share of their search at one pose. With more, processors
 are idle. With fewer, Ray's cost of a task, and the descent to the first subtree, weigh more."""
 
-_LEAST_WORK, _MOST_WORK = 1 << 14, 1 << 16
+_LEAST_WORK, _MOST_WORK = 1 << 16, 1 << 22
 """Estimated work of a task, in rows of `intersects`, each of which takes one or two microseconds.
-Ray's cost is less than a tenth of the smallest task. The poses of the largest one take 8 MB."""
+Ray's cost is less than a tenth of the smallest task. The largest one takes about six seconds; it is
+lost if its node ends, and must be computed again."""
+
+_BYTES_OF_POSES = 8 << 20
+"""Maximum size of the poses of a task in bytes, if it has more than one row. Larger ones fill the
+object store, because two tasks for each processor are with Ray."""
+
+_BYTES_OF_POSE = 128
+"""Size of a pose in bytes."""
 
 _WORK_OF_ROW = {"distance": 8, "intersecting_pairs": 8, "penetrates": 8, "penetration": 512}
 """Estimated work of a row of a function in rows of `intersects`, if it is more."""
@@ -95,10 +103,14 @@ def snapshots(parts: Sequence[AnyShape]) -> list[AnyShape]:
     return [part._snapshot() if isinstance(part, Mesh) else part for part in parts]
 
 
-def run_of(count: int, work: int) -> tuple[int, int]:
-    """Return the number of rows of a run, and the number of runs; `work` is that of a row."""
+def run_of(count: int, work: int, size: int) -> tuple[int, int]:
+    """Return the number of rows of a run, and the number of runs.
+
+    `work` is the estimated work of a row, and `size` the number of bytes that are sent for it.
+    """
     even = -(-count // _MOST_TASKS)
-    run = max(min(max(even, _LEAST_WORK // work), _MOST_WORK // work), 1)
+    most = min(_MOST_WORK // work, _BYTES_OF_POSES // size)
+    run = max(min(max(even, _LEAST_WORK // work), most), 1)
     return run, max(-(-count // run), 1)
 
 
@@ -119,7 +131,8 @@ class Rows:
         self.axes = tuple(axes)
         self.poses = [None if p is None else _arrays.plain_poses(p, name) for name, p in poses.items()]
         self._count = int(np.prod(self.axes, dtype=np.int64))
-        self._run, self.runs = run_of(self._count, work)
+        sent = sum(poses is not None and poses.size > 16 for poses in self.poses)
+        self._run, self.runs = run_of(self._count, work, _BYTES_OF_POSE * max(sent, 1))
 
     def of(self, run: int) -> list[NDArray[np.float64] | None]:
         """Return the poses of each thing in one run.
@@ -128,15 +141,18 @@ class Rows:
         none.
         """
         start = run * self._run
-        rows = np.arange(start, min(start + self._run, self._count))
+        rows = slice(start, min(start + self._run, self._count))
         return [None if poses is None else self._of(poses, rows) for poses in self.poses]
 
-    def _of(self, poses: NDArray[np.float64], rows: NDArray[np.int64]) -> NDArray[np.float64]:
+    def _of(self, poses: NDArray[np.float64], run: slice) -> NDArray[np.float64]:
         own = poses.shape[:-2]
         if not self.axes:
             return poses
-        if int(np.prod(own)) == 1:
+        if poses.size == 16:
             return poses.reshape(1, 4, 4)
+        if own == self.axes:
+            return poses.reshape(-1, 4, 4)[run]  # a view, which is sent without another copy
+        rows = np.arange(run.start, run.stop)
         places = np.unravel_index(rows, self.axes)[len(self.axes) - len(own) :]
         index = tuple(np.zeros_like(at) if length == 1 else at for at, length in zip(places, own, strict=True))
         picked: NDArray[np.float64] = poses[index]

@@ -51,7 +51,9 @@ def _parser() -> argparse.ArgumentParser:
         description="Finds all pairs of parts in the scenes, as they stand, and writes them to stdout as JSON. "
         "Exit code: 0 no pair, 1 pairs found, 2 no complete answer.",
     )
-    pairs.add_argument("scenes", nargs="+", metavar="SCENE", help="file with parts; several files are one scene")
+    pairs.add_argument(
+        "scenes", nargs="+", metavar="SCENE", help="file with parts, or folder of a baked scene; several are one scene"
+    )
     questions = ("intersects", "penetrates", "within")
     pairs.add_argument("--question", choices=questions, default="intersects", help="default: %(default)s")
     pairs.add_argument("--clearance", type=float, help="for --question within, in the unit of the scenes")
@@ -60,6 +62,7 @@ def _parser() -> argparse.ArgumentParser:
     pairs.add_argument(
         "--checkpoint", metavar="FILE", help="keeps finished tasks; a run with an existing FILE continues"
     )
+    pairs.add_argument("--shared", metavar="DIR", help="folder that each node has; baked scenes in it are mapped there")
     return parser
 
 
@@ -68,11 +71,14 @@ def _pairs(options: argparse.Namespace) -> dict[str, Any]:
     if (options.question == "within") != (options.clearance is not None):
         raise ValueError("--clearance is needed with --question within, and only then")
     scene = scene_of(options.scenes, options.unit)
-    parts = [(name, part, False, None) for name, part in scene.parts.items()]
-    call = scene_call(parts, [], (options.question, options.clearance or 0.0), False, "raise")
+    poses = scene.poses
+    parts = [(name, part, scene._solid, poses[name]) for name, part in scene.parts.items()]
+    call = scene_call(
+        parts, sorted(scene._ignored_places()), (options.question, options.clearance or 0.0), False, "raise"
+    )
     answers: dict[int, Any] = {}
     is_complete = True
-    with ray(options.address, checkpoint=options.checkpoint) as cluster:
+    with ray(options.address, checkpoint=options.checkpoint, shared=options.shared) as cluster:
         try:
             cluster._run(call, answers, sys.stderr.isatty())
         except KeyboardInterrupt:
@@ -93,14 +99,19 @@ def scene_of(paths: Sequence[str], unit: str | None) -> Scene:
 
     If there are several, the name of a part begins with the number and the name of its file.
     """
-    parts, poses, details = {}, {}, {}
+    parts, poses, details, ignored, solids = {}, {}, {}, [], set()
     for at, path in enumerate(paths):
         prefix = "" if len(paths) == 1 else f"{at + 1} {os.path.basename(path)}: "
         scene = load_scene(path, unit)
         parts.update({prefix + name: part for name, part in scene.parts.items()})
         poses.update({prefix + name: pose for name, pose in scene.poses.items()})
         details.update({prefix + name: scene.details(name) for name in scene.parts})
-    return Scene(parts, poses=poses, details=details)
+        names = list(scene.parts)
+        ignored += [(prefix + names[i], prefix + names[j]) for i, j in scene._ignored_places()]
+        solids.add(scene._solid)
+    if len(solids) > 1:
+        raise ValueError("the meshes of some baked scenes are solids, and those of other scenes are surfaces")
+    return Scene(parts, poses=poses, details=details, ignored=ignored, solid=solids == {True})
 
 
 def _named(names: list[str], pairs: NDArray[np.uint32]) -> list[list[str]]:

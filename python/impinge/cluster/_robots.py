@@ -61,7 +61,7 @@ class RobotRows(Call):
         ]
         self._robot, self._rows, self._rest = contents_of(robot), rows, rest
         work = _WORK_OF_ROW[function] * max((len(robot.links) + len(obstacles)) // 8, 1)
-        self._run, self.count = run_of(len(rows[0]), work)
+        self._run, self.count = run_of(len(rows[0]), work, 8 * max(sum(row.shape[1] for row in rows), 1))
 
     def parts_of(self, task: int) -> Sequence[int]:
         """Return the robot and all obstacles."""

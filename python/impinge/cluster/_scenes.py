@@ -25,9 +25,16 @@ _LEAST_COST, _MOST_COST = 1 << 17, 1 << 23
 """Estimated cost of a task, in faces. The smallest one takes several times as long as Ray needs for
 a task. The largest one is lost if its node ends, and must be computed again."""
 
+_MOST_FACES = 1 << 14
+"""Maximum number of faces of a part that count for the largest task. Queries visit few faces of a
+large mesh, so a task of many large parts would be too small otherwise."""
+
 _MOST_TASKS = 1 << 10
 """Number of tasks of a check, unless they would be smaller than the smallest task or larger than
 the largest."""
+
+_WORK_OF_MOVING = 8
+"""Estimated work of a configuration for each part that moves, in rows of `intersects`."""
 
 _BITS = 16
 """Number of bits for each axis of a place along the space-filling curve."""
@@ -50,9 +57,12 @@ class SceneRows(Call):
         self.parts = snapshots([part for _, part, *_ in parts])
         self._distinct, self._which = distinct(self.parts)
         self._solid = any(solid for _, _, solid, _ in parts)
-        self._ignored, self._options = ignored, options
+        self._ignored, self._options = np.array(ignored, np.uint32).reshape(-1, 2), options
         self.parcels = Parcels(self.parts, self._distinct)
-        self._rows = Rows(axes, {f"poses[{name!r}]": poses for name, _, _, poses in parts}, len(parts) + 1)
+        named = ((f"poses[{name!r}]", poses) for name, _, _, poses in parts)
+        placed = {name: None if poses is None else _arrays.plain_poses(poses, name) for name, poses in named}
+        moving = sum(poses is not None and poses.ndim > 2 for poses in placed.values())
+        self._rows = Rows(axes, placed, _WORK_OF_MOVING * max(moving, 1))
         self.count = self._rows.runs
 
     def parts_of(self, task: int) -> Sequence[int]:
@@ -61,7 +71,12 @@ class SceneRows(Call):
 
     def arguments_of(self, task: int) -> tuple[Any, ...]:
         """Return the poses of the parts in the configurations of a task, and the options."""
-        return Placed(self._which, self._rows.of(task), self._solid), self._ignored, self._options
+        poses: list[Any] = self._rows.of(task)
+        fixed = [at for at, pose in enumerate(poses) if pose is not None and pose.size == 16]
+        stacked = np.stack([poses[at] for at in fixed]) if fixed else None
+        for index, at in enumerate(fixed):
+            poses[at] = index
+        return Placed(self._which, poses, self._solid, stacked), self._ignored, self._options
 
     def _input(self) -> tuple[Any, ...]:
         return self._which, self._solid, self._ignored, self._options, self._rows.axes, *self._rows.poses
@@ -109,7 +124,7 @@ class ScenePairs(Call):
         rank = ranks(boxes)
         order = np.sort(rank[pairs], axis=1)
         self._pairs = pairs[np.lexsort((order[:, 1], order[:, 0]))]
-        self._ends = cut(self._pairs, np.array([faces(part) for part in self.parts], np.int64))
+        self._ends = cut(self._pairs, np.array([faces(part) for part in self.parts], np.int64), _MOST_FACES)
         self.count = len(self._ends) - 1
         self.parcels = Parcels(self.parts, list(dict.fromkeys(self._pairs.ravel().tolist())))
 
@@ -180,11 +195,14 @@ def ranks(boxes: NDArray[np.float64]) -> NDArray[np.int64]:
     return rank
 
 
-def cut(pairs: NDArray[np.uint32], face_counts: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the ends of runs of pairs whose estimated costs are about equal, with a leading 0."""
-    costs = face_counts[pairs].sum(axis=1) + _COST_OF_PAIR
-    total = int(costs.sum())
-    share = min(max(total // _MOST_TASKS, _LEAST_COST), _MOST_COST)
+def cut(pairs: NDArray[np.uint32], costs_of_parts: NDArray[np.int64], most: int | None = None) -> NDArray[np.int64]:
+    """Return the ends of runs of pairs whose estimated costs are about equal, with a leading 0.
+
+    `most` is the maximum cost of a part that counts for the largest task.
+    """
+    costs = costs_of_parts[pairs].sum(axis=1) + _COST_OF_PAIR
+    limited = np.minimum(costs_of_parts, most)[pairs].sum(axis=1) + _COST_OF_PAIR if most else costs
+    share = max(int(costs.sum()) // max(_MOST_TASKS, int(limited.sum()) // _MOST_COST), _LEAST_COST)
     runs = (np.cumsum(costs) - costs) // share
     ends = np.flatnonzero(np.diff(runs)) + 1
     return np.concatenate([[0], ends, [len(pairs)]]).astype(np.int64) if len(pairs) else np.zeros(1, np.int64)

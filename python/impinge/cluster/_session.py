@@ -6,7 +6,7 @@ import importlib
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any
 
@@ -15,6 +15,7 @@ from impinge._errors import InputError
 from impinge._impinge import __version__
 from impinge._progress import Line
 from impinge._scalars import path_of
+from impinge._shape import AnyShape
 from impinge.cluster import _worker
 from impinge.cluster._calls import Call
 from impinge.cluster._checkpoint import Checkpoint
@@ -46,11 +47,20 @@ class Work:
         Number of these tasks whose answers were in the checkpoint.
     bytes_put : int
         Size in bytes of the parts that were put into the object store.
+    bytes_mapped : int
+        Size in bytes of the baked meshes that workers mapped, once for each worker that used one.
+    memory : dict of str to int
+        For each node, the private memory of its workers in bytes, without mapped files and without
+        the object store: the sum of the maximum of each worker at the ends of tasks. The name of a
+        node is that of its machine, and the process number of Ray's raylet there. Only Linux tells
+        the size; elsewhere it is 0.
     """
 
     tasks: int = 0
     resumed: int = 0
     bytes_put: int = 0
+    bytes_mapped: int = 0
+    memory: dict[str, int] = field(default_factory=dict)
 
 
 class Cluster:
@@ -64,9 +74,9 @@ class Cluster:
 
     work: Work
 
-    def __init__(self, engine: Any, checkpoint: Checkpoint | None) -> None:
+    def __init__(self, engine: Any, checkpoint: Checkpoint | None, shared: str | None = None) -> None:
         self._ray: Any = engine
-        self._checkpoint = checkpoint
+        self._checkpoint, self._shared = checkpoint, shared
         self._remote = engine.remote(num_cpus=1, max_retries=_MAX_RETRIES)(_worker.answer)
         self.work = Work()
 
@@ -101,11 +111,13 @@ class Cluster:
 
     def _run(self, call: Call, answers: dict[int, Any], progress: bool) -> None:
         """Run the tasks of a call, and add their answers, also if the run is interrupted."""
+        call.parcels.arrange(self._shared)
         fingerprint = call.fingerprint() if self._checkpoint else ""
         if self._checkpoint:
             answers.update(self._checkpoint.answers(fingerprint))
         self.work = Work(call.count, len(answers))
-        run = _Run(self._connected(), self._remote, call, [at for at in range(call.count) if at not in answers])
+        tasks = [at for at in range(call.count) if at not in answers]
+        run = _Run(self._connected(), self._remote, call, tasks, self.work)
         line = Line(call.count) if progress else None
         room = max(_TASKS_PER_PROCESSOR * self.processors, 1)
         try:
@@ -117,7 +129,6 @@ class Cluster:
                 if line:
                     line.show(len(answers))
         finally:
-            self.work.bytes_put = run.bytes_put
             run.cancel()
             if line:
                 line.end()
@@ -126,18 +137,18 @@ class Cluster:
 class _Run:
     """The tasks of a call that are with Ray, and the parcels that they need."""
 
-    def __init__(self, engine: Any, remote: Any, call: Call, tasks: list[int]) -> None:
-        self._ray, self._remote, self._call = engine, remote, call
+    def __init__(self, engine: Any, remote: Any, call: Call, tasks: list[int], work: Work) -> None:
+        self._ray, self._remote, self._call, self._work = engine, remote, call, work
         self._tasks = iter(tasks)
         self._pending: dict[Any, int] = {}
         self._parcels: dict[int, Any] = {}
         # A parcel is dropped when the last task that needs it was given to Ray, which keeps it.
         self._last = {parcel: task for task in tasks for parcel in self._parcels_of(task)}
-        self.bytes_put = 0
+        self._memory: dict[tuple[str, int], int] = {}
+        """Maximum private memory of each worker, by its node and its process number."""
 
     def _parcels_of(self, task: int) -> list[int]:
-        call = self._call
-        return sorted({call.parcels.parcel_of(call.parts[part]) for part in call.parts_of(task)})
+        return self._call.parcels.numbers_of(self._call.parts[part] for part in self._call.parts_of(task))
 
     def fill(self, room: int) -> bool:
         """Give tasks to Ray until it has `room` of them. Return whether it has any."""
@@ -152,12 +163,8 @@ class _Run:
             if parcel not in self._parcels:
                 packed = call.parcels.packed(parcel)
                 self._parcels[parcel] = self._ray.put(packed)
-                self.bytes_put += packed.nbytes
-        places = []
-        for part in call.parts_of(task):
-            slot = call.parcels.slot_of(call.parts[part])
-            name, at = call.names[part], parcels.index(slot.parcel)
-            places.append(_worker.Place(name, slot.digest, slot.is_mesh, at, slot.start, slot.size))
+                self._work.bytes_put += packed.nbytes
+        places = [self._place(call.names[part], call.parts[part], parcels) for part in call.parts_of(task)]
         remote = self._remote.options(name=f"impinge: {call.what}, task {task + 1} of {call.count}")
         contents = [self._parcels[parcel] for parcel in parcels]
         started = remote.remote(__version__, call.function, places, call.arguments_of(task), *contents)
@@ -165,6 +172,14 @@ class _Run:
             if self._last[parcel] == task:
                 del self._parcels[parcel]
         return started
+
+    def _place(self, name: str, part: AnyShape, parcels: list[int]) -> _worker.Place | _worker.StoredPlace:
+        """Return where a worker finds a part: in a file, or in one of the parcels of its task."""
+        stored = self._call.parcels.stored(part)
+        if stored is not None:
+            return _worker.StoredPlace(name, stored)
+        slot = self._call.parcels.slot_of(part)
+        return _worker.Place(name, slot.digest, slot.is_mesh, parcels.index(slot.parcel), slot.start, slot.size)
 
     def finished(self) -> Iterator[tuple[int, Any]]:
         """Wait until tasks are finished, and return their numbers and answers.
@@ -178,7 +193,16 @@ class _Run:
         ready, _ = self._ray.wait(list(self._pending), num_returns=len(self._pending), timeout=0)
         for reference in ready:
             task = self._pending.pop(reference)
-            yield task, self._get(reference, task)
+            answer, use = self._get(reference, task)
+            self._count(use)
+            yield task, answer
+
+    def _count(self, use: _worker.Use) -> None:
+        worker = use.node, use.process
+        grown = max(use.memory - self._memory.get(worker, 0), 0)
+        self._memory[worker] = self._memory.get(worker, 0) + grown
+        self._work.memory[use.node] = self._work.memory.get(use.node, 0) + grown
+        self._work.bytes_mapped += use.mapped
 
     def _get(self, reference: Any, task: int) -> Any:
         try:
@@ -202,7 +226,11 @@ class _Run:
 
 @contextmanager
 def ray(
-    address: str | None = None, *, checkpoint: str | os.PathLike[str] | None = None, **options: Any
+    address: str | None = None,
+    *,
+    checkpoint: str | os.PathLike[str] | None = None,
+    shared: str | os.PathLike[str] | None = None,
+    **options: Any,
 ) -> Iterator[Cluster]:
     """Connect to a Ray cluster for the calls within a ``with`` block.
 
@@ -217,6 +245,10 @@ def ray(
         A file to which the answer of each finished task is added. If it has answers of a call with
         the same arguments, these tasks are not run again. So the same program, run again after an
         interruption, continues.
+    shared : str or os.PathLike, optional
+        A folder that each node has at the same path, such as one on shared storage. Meshes that
+        were loaded from baked files in it travel as paths, and each worker maps the files that its
+        tasks need. Other parts travel as bytes.
     **options
         More arguments for ``ray.init``, such as ``object_store_memory``.
 
@@ -232,6 +264,9 @@ def ray(
     ------
     ClusterError
         If Ray is not installed, if the connection fails, or, by a call, if a task fails.
+    InputError
+        If `shared` is not a folder, or, by a call, if a worker has another file at the path of a
+        part, or a damaged one.
     OSError
         If the checkpoint cannot be read or written.
 
@@ -242,6 +277,9 @@ def ray(
         with impinge.cluster.ray(address="auto", checkpoint="night.ndjson") as cluster:
             report = scene.check(question="penetrates", stop="all", on=cluster)
     """
+    folder = None if shared is None else os.path.abspath(path_of(shared, "shared"))
+    if folder is not None and not os.path.isdir(folder):
+        raise InputError(f"{folder!r} is not a folder", kind="option", what="shared")
     engine = _imported()
     is_ours = not engine.is_initialized()
     if is_ours:
@@ -251,7 +289,8 @@ def ray(
             message = f"cannot connect to Ray at {address or 'this machine'}: {error}"
             raise ClusterError(f"{message}; `ray start --head` starts a cluster") from error
     try:
-        cluster = Cluster(engine, Checkpoint(path_of(checkpoint, "checkpoint")) if checkpoint is not None else None)
+        kept = None if checkpoint is None else Checkpoint(path_of(checkpoint, "checkpoint"))
+        cluster = Cluster(engine, kept, folder)
         try:
             yield cluster
         finally:

@@ -5,9 +5,12 @@ A task is pure: it reads its arguments and returns its answer. Ray may therefore
 
 from __future__ import annotations
 
+import os
 import pickle
+import platform
 from collections import OrderedDict
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -18,6 +21,7 @@ from impinge._baked import opened
 from impinge._errors import InputError
 from impinge._mesh import Mesh
 from impinge._shape import AnyShape
+from impinge._stored import Stored
 from impinge._threads import threads
 from impinge.cluster._robot_contents import contents_of
 
@@ -28,10 +32,14 @@ _MAX_CACHED_BYTES = 1 << 28
 """Maximum size in bytes of the parts that a worker keeps for later tasks, besides those of the last
 task. A part that is kept is not validated again, and its parcel stays in memory."""
 
+_BYTES_OF_MAPPED = 1 << 20
+"""Size in bytes that a part in a mapped file counts for, because the system may drop its pages. It
+limits the number of files that a worker keeps open."""
+
 
 @dataclass(frozen=True)
 class Place:
-    """Where the bytes of a part are."""
+    """Where the bytes of a part are in a parcel."""
 
     name: str
     """Name of the part, for error messages."""
@@ -47,12 +55,43 @@ class Place:
     """Number of bytes."""
 
 
+@dataclass(frozen=True)
+class StoredPlace:
+    """Where the bytes of a part are in a file that all nodes share."""
+
+    name: str
+    """Name of the part, for error messages."""
+    stored: Stored
+    """Place of the baked mesh in the file, and its header."""
+
+
+@dataclass(frozen=True)
+class Use:
+    """Memory and files that a task used."""
+
+    node: str
+    """Machine, and process number of the program of Ray that started the worker."""
+    process: int
+    """Process number of the worker."""
+    memory: int
+    """Private memory of the worker at the end of the task in bytes, without mapped files and the
+    object store. It is 0 if the system does not tell."""
+    mapped: int
+    """Number of bytes of files that the task mapped."""
+
+
 class VersionError(RuntimeError):
     """Raised by a worker that has another version of impinge than the process that called it."""
 
 
-def answer(version: str, function: str, places: list[Place], arguments: tuple[Any, ...], *parcels: Parcel) -> Any:
-    """Return the answer of one task.
+def answer(
+    version: str,
+    function: str,
+    places: list[Place | StoredPlace],
+    arguments: tuple[Any, ...],
+    *parcels: Parcel,
+) -> tuple[Any, Use]:
+    """Return the answer of one task, and what it used.
 
     Parameters
     ----------
@@ -60,7 +99,7 @@ def answer(version: str, function: str, places: list[Place], arguments: tuple[An
         Version of impinge of the process that asks.
     function : str
         Name of a function of this module, as in `_FUNCTIONS`.
-    places : list of Place
+    places : list of Place or StoredPlace
         Parts of the task.
     arguments : tuple
         Arguments of the function after the parts.
@@ -70,9 +109,12 @@ def answer(version: str, function: str, places: list[Place], arguments: tuple[An
     if version != _impinge.__version__:
         message = f"the caller has impinge {version}, and a worker has {_impinge.__version__}"
         raise VersionError(f"{message}: install the same version on each node")
-    parts = _parts.of(places, parcels)
+    before = _parts.mapped
     with threads(1):  # Ray gives a task one processor
-        return _FUNCTIONS[function](parts, *arguments)
+        parts = _parts.of(places, parcels)
+        found = _FUNCTIONS[function](parts, *arguments)
+    node = f"{platform.node()}, raylet {os.getppid()}"
+    return found, Use(node, os.getpid(), private_memory(), _parts.mapped - before)
 
 
 def rows(
@@ -95,22 +137,34 @@ class Placed:
     which: list[int]
     """For each part, its index among the distinct parts of the task."""
     poses: Any
-    """For each part, its poses or None; or an array of one pose for each part."""
+    """For each part, its poses, or None, or the index of its pose in `fixed`; or an array of one
+    pose for each part."""
     solid: bool
     """Whether meshes are solids."""
+    fixed: NDArray[np.float64] | None = None
+    """Poses of parts that do not move, in one array, which is sent faster than many."""
 
     def of(self, parts: list[AnyShape]) -> list[tuple[str, Any, bool, Any]]:
         """Return the parts in the form that the extension takes."""
         numbered = enumerate(zip(self.which, self.poses, strict=True))
-        return [(str(at), parts[part], self.solid, pose) for at, (part, pose) in numbered]
+        return [(str(at), parts[part], self.solid, self._pose(pose)) for at, (part, pose) in numbered]
+
+    def _pose(self, pose: Any) -> Any:
+        return self.fixed[pose] if isinstance(pose, int) and self.fixed is not None else pose
 
 
 def scene_rows(
-    parts: list[AnyShape], placed: Placed, ignored: list[tuple[int, int]], options: tuple[Any, bool, str]
+    parts: list[AnyShape], placed: Placed, ignored: NDArray[np.uint32], options: tuple[Any, bool, str]
 ) -> Any:
     """Return the pairs that are found in some configurations of a scene."""
     question, first, on_error = options
-    return _impinge.check_scene(placed.of(parts), ignored, question, first, on_error, False)
+    return _impinge.check_scene(placed.of(parts), _tuples(ignored.tobytes()), question, first, on_error, False)
+
+
+@lru_cache(maxsize=4)
+def _tuples(pairs: bytes) -> list[tuple[int, int]]:
+    """Return pairs in the form that the extension takes. A call has one list for all tasks."""
+    return [(i, j) for i, j in np.frombuffer(pairs, np.uint32).reshape(-1, 2).tolist()]
 
 
 def scene_pairs(
@@ -188,13 +242,20 @@ _FUNCTIONS: dict[str, Any] = {
 
 
 class _Parts:
-    """Parts that this process has made, the last used last."""
+    """Parts that this process has made, the last used last.
+
+    Attributes
+    ----------
+    mapped : int
+        Number of bytes of all files that were mapped.
+    """
 
     def __init__(self) -> None:
         self._kept: OrderedDict[bytes, tuple[int, AnyShape]] = OrderedDict()
         self._bytes = 0
+        self.mapped = 0
 
-    def of(self, places: list[Place], parcels: tuple[Parcel, ...]) -> list[AnyShape]:
+    def of(self, places: list[Place | StoredPlace], parcels: tuple[Parcel, ...]) -> list[AnyShape]:
         """Return the parts at some places."""
         parts = [self._part(place, parcels) for place in places]
         while self._bytes > _MAX_CACHED_BYTES and len(self._kept) > len(places):
@@ -202,13 +263,19 @@ class _Parts:
             self._bytes -= size
         return parts
 
-    def _part(self, place: Place, parcels: tuple[Parcel, ...]) -> AnyShape:
-        if place.digest in self._kept:
-            self._kept.move_to_end(place.digest)
-            return self._kept[place.digest][1]
-        part = _made(place, parcels[place.parcel][place.start : place.start + place.size])
-        self._kept[place.digest] = place.size, part
-        self._bytes += place.size
+    def _part(self, place: Place | StoredPlace, parcels: tuple[Parcel, ...]) -> AnyShape:
+        key = place.stored.header if isinstance(place, StoredPlace) else place.digest
+        if key in self._kept:
+            self._kept.move_to_end(key)
+            return self._kept[key][1]
+        part: AnyShape
+        if isinstance(place, StoredPlace):
+            size, part = _BYTES_OF_MAPPED, _mapped(place)
+            self.mapped += place.stored.size
+        else:
+            size, part = place.size, _made(place, parcels[place.parcel][place.start : place.start + place.size])
+        self._kept[key] = size, part
+        self._bytes += size
         return part
 
 
@@ -221,6 +288,32 @@ def _made(place: Place, content: Parcel) -> AnyShape:
     except InputError as error:
         message = f"part {place.name!r} did not reach the worker as it was sent: {error}"
         raise InputError(message, kind=error.kind, what="parts", hint="run the call again") from None
+
+
+def _mapped(place: StoredPlace) -> Mesh:
+    """Return the mesh in a file, which must be the file of the caller."""
+    file = f"part {place.name!r} in the file {place.stored.path!r} on a worker"
+    try:
+        return Mesh._of(opened(place.stored.mapped()), None)
+    except InputError as error:
+        message = f"{file} is damaged: {error}"
+        raise InputError(message, kind=error.kind, what="parts", hint="bake the part again") from None
+    except (OSError, ValueError) as error:
+        message = f"{file} is not that of the caller: {error}"
+        hint = "give each node the same files at the same paths, or call impinge.cluster.ray without shared="
+        raise InputError(message, kind="changed", what="parts", hint=hint) from None
+
+
+def private_memory() -> int:
+    """Return the number of bytes of memory that belong to this process alone.
+
+    Mapped files and the object store are left out. The result is 0 if the system does not tell.
+    """
+    try:
+        with open("/proc/self/status", encoding="ascii") as status:
+            return next((int(line.split()[1]) << 10 for line in status if line.startswith("RssAnon:")), 0)
+    except OSError:
+        return 0
 
 
 _parts = _Parts()
