@@ -175,8 +175,9 @@ mod tests {
         let links = (0..9).map(|name| Link { name: name.to_string(), shape: None }).collect();
         let joint = |child: i64| {
             let at = [0; 3].map(|_| 0.5 * rng.integer(-3, 3) as f64);
-            let turn = [0; 4].map(|_| rng.integer(-2, 3) as f64 + 0.25);
-            let origin = Pose::from_quaternion_wxyz(at, turn).expect("a pose");
+            let axis = [0; 3].map(|_| rng.integer(-2, 3) as f64 + 0.25);
+            let angle = 0.125 * std::f64::consts::PI * rng.integer(-8, 8) as f64;
+            let origin = Pose::from_axis_angle(axis, angle, at).expect("a pose");
             let parent = rng.integer(0, child - 1).to_string();
             let joint = Joint::fixed(format!("j{child}"), parent, child.to_string(), origin);
             joint.moving(KINDS[rng.integer(0, 5) as usize], axes[rng.integer(0, 4) as usize])

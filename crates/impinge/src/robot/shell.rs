@@ -164,7 +164,7 @@ mod tests {
 
     /// Returns points on a grid, or others.
     fn points(rng: &mut Rng) -> Vec<[f64; 3]> {
-        let count = rng.integer(1, 20);
+        let count = rng.integer(1, 60);
         let is_on_grid = !rng.one_in(3);
         let coordinate = |rng: &mut Rng| if is_on_grid { 0.25 * rng.integer(-4, 4) as f64 } else { rng.unit() };
         (0..count).map(|_| [0; 3].map(|_| coordinate(rng))).collect()
@@ -172,9 +172,10 @@ mod tests {
 
     /// Returns a pose on a grid that is a quarter turn or another turn.
     fn pose(rng: &mut Rng) -> Pose {
-        let at = [0; 3].map(|_| 0.5 * rng.integer(-3, 3) as f64);
-        let turn = [0; 4].map(|_| rng.integer(-1, 1) as f64 + 0.25 * rng.integer(0, 1) as f64);
-        Pose::from_quaternion_wxyz(at, turn).unwrap_or(Pose::IDENTITY)
+        let at = [0; 3].map(|_| 0.5 * rng.integer(-5, 5) as f64);
+        let axis = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 2.0, -0.5]][rng.integer(0, 2) as usize];
+        let angle = 0.125 * std::f64::consts::PI * rng.integer(-8, 8) as f64;
+        Pose::from_axis_angle(axis, angle, at).expect("a pose")
     }
 
     #[test]
