@@ -67,7 +67,7 @@ pub(crate) struct Nearest {
     pub(crate) vector: [f64; 3],
     /// A direction from the nearest point to the origin. For a triangle it is the normal, because a
     /// point close to the origin has no digits left for a direction.
-    pub(super) towards_origin: [f64; 3],
+    pub(crate) towards_origin: [f64; 3],
 }
 
 /// Returns the nearest point to the origin in the hull of one to four points.

@@ -1,6 +1,9 @@
 //! Sines and cosines that are the same on every platform. The last bits of the platform's functions
 //! differ, so this module uses only sums and products, and no fused operations.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f64x4};
+
 /// Maximum magnitude of an angle, in radians: about 167,000 turns. The multiples of [`HALF_PI`]
 /// that the reduction subtracts have at most 20 bits below it, so their products with its parts are
 /// exact. With a larger limit they would be rounded.
@@ -70,12 +73,36 @@ pub(crate) fn sine_and_cosine(angle_rad: f64) -> [f64; 2] {
     }
 }
 
+/// Returns the sines and the cosines of four angles: the bits of [`sine_and_cosine`] in each lane.
+#[inline(always)]
+pub(crate) fn sines_and_cosines<S: Simd>(simd: S, angles_rad: f64x4<S>) -> [f64x4<S>; 2] {
+    let quarter_turns = (angles_rad * std::f64::consts::FRAC_2_PI + ROUNDING) - ROUNDING;
+    let r = ((angles_rad - quarter_turns * HALF_PI[0]) - quarter_turns * HALF_PI[1]) - quarter_turns * HALF_PI[2];
+    let s = r * r;
+    let [mut of_sine, mut of_cosine] = [f64x4::splat(simd, 0.0); 2];
+    for (a, b) in SINE.into_iter().zip(COSINE) {
+        (of_sine, of_cosine) = (of_sine * s + a, of_cosine * s + b);
+    }
+    let sine = r + r * s * of_sine;
+    let cosine = 1.0 - (0.5 * s - s * s * of_cosine);
+    // The number of quarter turns, from 0 to 3. All steps are exact.
+    let quadrant = quarter_turns - 4.0 * (quarter_turns * 0.25).floor();
+    let half = (quadrant * 0.5).floor();
+    let is_odd = (quadrant - 2.0 * half).simd_gt(0.5);
+    let is_past_half = half.simd_gt(0.5);
+    // The cosine is negative in the two quadrants in the middle.
+    let is_in_middle = (quadrant - 1.5).abs().simd_lt(1.0);
+    let (sine, cosine) = (is_odd.select(cosine, sine), is_odd.select(sine, cosine));
+    [is_past_half.select(-sine, sine), is_in_middle.select(-cosine, cosine)]
+}
+
 #[cfg(test)]
 mod tests {
     use dashu_int::IBig;
     use dashu_ratio::RBig;
 
     use super::*;
+    use crate::simd::{dispatch_every, kernel_levels};
 
     /// Error bound of lemma L41.
     const SINE_ERROR: f64 = 1.5 * f64::EPSILON;
@@ -162,6 +189,16 @@ mod tests {
             }
             let [sine, cosine] = sine_and_cosine(-x);
             assert_eq!([-sine, cosine], found);
+            for (name, level) in kernel_levels() {
+                let angles = [x, -x, 0.5 * x, 0.25 * x];
+                let lanes = dispatch_every!(level, simd => {
+                    sines_and_cosines(simd, f64x4::from_slice(simd, &angles)).map(<[f64; 4]>::from)
+                });
+                for (lane, angle) in angles.into_iter().enumerate() {
+                    let expected = sine_and_cosine(angle).map(f64::to_bits);
+                    assert_eq!(lanes.map(|of_lane| of_lane[lane].to_bits()), expected, "{name} {angle:e}");
+                }
+            }
         }
         assert!(worst * 4 > bound, "the bound is idle");
         assert_eq!(sine_and_cosine(0.0), [0.0, 1.0]);

@@ -3,10 +3,13 @@
 use std::collections::HashMap;
 use std::error::Error;
 use std::fmt;
+use std::ops::Range;
 
 use super::cull::Culling;
+use super::cull_lanes::{CullLanes, Plan};
 use super::error::ConfigurationError;
 use super::frame::Frame;
+use super::lanes::{self, FrameLanes, ROWS};
 use super::links::{PlacedLink, PlacedLinks, may_be_near};
 use super::model::Robot;
 use super::obstacles::Obstacles;
@@ -14,6 +17,7 @@ use crate::budget::{Budget, Stopped};
 use crate::query::batch::{Answers, Execution, Status};
 use crate::query::{Cache, Proximity, Query};
 use crate::scene::{PartId, Scene, Stop};
+use crate::simd::best_level;
 
 /// Options of [`Robot::check`].
 #[derive(Clone, Debug)]
@@ -115,13 +119,10 @@ impl Robot {
     ) -> Result<Answers<Vec<Collision>>, CheckError> {
         let rows = self.check_rows(configurations).map_err(CheckError::Configuration)?;
         options.validate()?;
-        let check = Check { robot: self, options, obstacles: Obstacles::new(options.obstacles, &options.ignored) };
-        let columns = self.coordinates().len();
-        let values = execution.rows(
-            rows,
-            || State::new(self),
-            |state, row| check.row(&configurations[row * columns..(row + 1) * columns], state, execution.budget()),
-        );
+        let obstacles = Obstacles::new(options.obstacles, &options.ignored);
+        let plan = Plan::new(self, options.self_padding);
+        let check = Check { robot: self, options, configurations, rows, obstacles, plan };
+        let values = execution.rows(rows, || State::new(self), |state, row| check.row(row, state, execution.budget()));
         let values = values.map_err(CheckError::Stopped)?;
         let answers = Answers { shape: vec![rows], status: vec![Status::Ok; rows], values };
         Ok(answers.mark_undecided(|found| found.iter().any(|collision| collision.is_undecided)))
@@ -131,11 +132,15 @@ impl Robot {
 struct Check<'c> {
     robot: &'c Robot,
     options: &'c CheckOptions<'c>,
+    configurations: &'c [f64],
+    rows: usize,
     obstacles: Obstacles,
+    plan: Plan<'c>,
 }
 
 /// State that consecutive configurations share.
 struct State {
+    block: Block,
     frames: Vec<Frame>,
     culling: Culling,
     links: PlacedLinks,
@@ -146,35 +151,58 @@ struct State {
     near: Vec<usize>,
 }
 
+/// Consecutive rows that are placed and culled together.
+#[derive(Default)]
+struct Block {
+    rows: Range<usize>,
+    frames: Vec<FrameLanes>,
+    cull: CullLanes,
+}
+
 impl State {
     fn new(robot: &Robot) -> Self {
         let caches = robot.pairs().iter().map(|_| Cache::default()).collect();
         let links = PlacedLinks::new(robot.links().len());
         let (frames, culling, near) = (Vec::new(), Culling::default(), Vec::new());
-        Self { frames, culling, links, caches, obstacle_caches: HashMap::new(), near }
+        Self { block: Block::default(), frames, culling, links, caches, obstacle_caches: HashMap::new(), near }
     }
 }
 
 impl Check<'_> {
-    /// Returns the collisions of a configuration.
-    fn row(&self, configuration: &[f64], state: &mut State, budget: &Budget<'_>) -> Vec<Collision> {
+    /// Places and culls the links in a row and in those that follow it.
+    fn start(&self, block: &mut Block, row: usize) {
+        block.rows = row..self.rows.min(row + ROWS);
+        let columns = self.robot.coordinates().len();
+        let level = best_level();
+        // Lanes beyond the last row repeat it.
+        let rows = std::array::from_fn(|lane| {
+            let row = (row + lane).min(self.rows - 1);
+            &self.configurations[row * columns..(row + 1) * columns]
+        });
+        lanes::place(level, self.robot, rows, &mut block.frames);
+        block.cull.start(level, &self.plan, &block.frames);
+    }
+
+    /// Returns the collisions of a row.
+    fn row(&self, row: usize, state: &mut State, budget: &Budget<'_>) -> Vec<Collision> {
         let robot = self.robot;
-        robot.place(configuration, &mut state.frames);
-        let State { frames, culling, links, caches, obstacle_caches, near } = state;
-        culling.start(robot.proxies(), frames);
+        let State { block, frames, culling, links, caches, obstacle_caches, near } = state;
+        if !block.rows.contains(&row) {
+            self.start(block, row);
+        }
+        let lane = row - block.rows.start;
+        let frame = |link: usize| lanes::frame_of(&block.frames[link], lane);
         links.start();
         let mut found = Vec::new();
         let is_first = self.options.stop == Stop::First;
         let clearance = self.options.self_padding;
-        for (&pair @ [a, b], cache) in robot.pairs().iter().zip(caches) {
-            if culling.are_apart(pair, clearance, robot.proxies(), frames) {
-                continue;
-            }
+        for at in block.cull.near(lane, &self.plan, frame) {
             // The caller discards the result if the budget is spent.
             if budget.is_spent() {
                 return found;
             }
-            pair.iter().for_each(|&link| links.place(link, robot, frames));
+            let (pair @ [a, b], cache) = (robot.pairs()[at], &mut caches[at]);
+            pair.iter().for_each(|&link| links.place_at(link, robot, || frame(link)));
             let placed = pair.map(|link| &links.placed[link]);
             if may_be_near(placed[0], placed[1], clearance) {
                 found.extend(collision(a, Other::Link(b), proximity(placed, clearance, cache, budget)));
@@ -186,6 +214,9 @@ impl Check<'_> {
         if self.obstacles.is_empty() {
             return found;
         }
+        frames.clear();
+        frames.extend((0..robot.links().len()).map(frame));
+        culling.start(robot.proxies(), frames);
         for link in (0..frames.len()).filter(|&link| robot.links()[link].shape.is_some()) {
             let clearance = self.options.padding.get(link).copied().unwrap_or(0.0);
             let limbs = culling.limbs(link, robot.proxies(), frames);

@@ -3,19 +3,18 @@
 //! Guarded by `tests/it/robots/culling.rs` and lemma L43 of the proofs.
 
 use super::frame::Frame;
-use super::proxy::{Ball, Proxy, Volumes};
+use super::outline::Ball;
+use super::proxy::{Proxy, Volumes};
+use super::shell::ROUNDING;
 use crate::math::vec3::{dot, sub};
 
 /// Share of the magnitude of translations that covers the rounding of images and of distances,
 /// 2^-44.
-const SLACK: f64 = 256.0 * f64::EPSILON;
+pub(super) const SLACK: f64 = 256.0 * f64::EPSILON;
 
 /// Maximum sum of the magnitudes of a translation for which links are culled, 2^200. Farther poses
 /// may be out of range.
-const MAX_OFFSET: f64 = f64::from_bits((1023 + 200) << 52);
-
-/// Factor that covers the rounding of squares, 1 + 2^-46.
-const ROUNDING: f64 = 1.0 + 64.0 * f64::EPSILON;
+pub(super) const MAX_OFFSET: f64 = f64::from_bits((1023 + 200) << 52);
 
 /// The segment and the radius of a capsule in the world.
 #[derive(Clone, Copy, Debug)]
@@ -183,7 +182,7 @@ fn nearest_offset([p, p_end]: [[f64; 3]; 2], [q, q_end]: [[f64; 3]; 2]) -> [f64;
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::math::Pose;
     use crate::query::{self, Proximity};
@@ -205,7 +204,7 @@ mod tests {
     }
 
     /// Returns a chain of links with joints that slide and turn about the axes of a grid.
-    fn chain(rng: &mut Rng, count: usize) -> Robot {
+    pub(in crate::robot) fn chain(rng: &mut Rng, count: usize) -> Robot {
         let all = shapes();
         let links = (0..count).map(|at| {
             let shape = (!rng.one_in(6)).then(|| all[rng.integer(0, all.len() as i64 - 1) as usize].clone());

@@ -39,6 +39,19 @@ impl Frame {
         self.0.map(|[a, b, c, t]| a * x + b * y + c * z + t)
     }
 
+    /// Returns the image of an offset.
+    #[inline]
+    pub(super) fn turn(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        self.0.map(|[a, b, c, _]| a * x + b * y + c * z)
+    }
+
+    /// Returns the gradient, in the inner frame, of the height of images along a direction.
+    #[inline]
+    pub(super) fn along(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let [p, q, r] = &self.0;
+        std::array::from_fn(|k| x * p[k] + y * q[k] + z * r[k])
+    }
+
     /// Returns the pose of this map, or `None` if an entry is out of range.
     pub(super) fn pose(&self) -> Option<Pose> {
         Pose::new(self.0.map(|[x, y, z, _]| [x, y, z]), self.0.map(|row| row[3])).ok()

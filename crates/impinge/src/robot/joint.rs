@@ -157,6 +157,12 @@ impl Motion {
         Some(Self { kind: joint.kind, parent_from_joint: Frame::of(&joint.parent_from_joint), axis, plane })
     }
 
+    /// Returns the index and the sign of the axis if it is a coordinate axis.
+    pub(super) fn coordinate_axis(&self) -> Option<(usize, f64)> {
+        let is_along = |&k: &usize| self.axis[(k + 1) % 3] == 0.0 && self.axis[(k + 2) % 3] == 0.0;
+        (0..3).find(is_along).map(|k| (k, self.axis[k]))
+    }
+
     /// Validates the values of the coordinates of the joint. Returns the index of the first invalid
     /// value.
     pub(super) fn check(&self, values: &[f64]) -> Result<(), (usize, InvalidValue)> {

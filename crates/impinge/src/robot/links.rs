@@ -68,10 +68,15 @@ impl PlacedLinks {
 
     /// Places a link in the configuration with these frames.
     pub(super) fn place(&mut self, link: usize, robot: &Robot, frames: &[Frame]) {
+        self.place_at(link, robot, || frames[link]);
+    }
+
+    /// Places a link at a frame, which is computed if the link was not placed.
+    pub(super) fn place_at(&mut self, link: usize, robot: &Robot, frame: impl FnOnce() -> Frame) {
         if !std::mem::replace(&mut self.is_current[link], true)
             && let Some(shape) = &robot.links()[link].shape
         {
-            self.placed[link].move_to(shape, frames[link].pose());
+            self.placed[link].move_to(shape, frame().pose());
         }
     }
 }

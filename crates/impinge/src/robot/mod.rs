@@ -30,7 +30,8 @@
 //!
 //! `joint` has the joints and their motions, `tree` validates the tree, `model` has the robot and
 //! its kinematics, and `frame` the maps that they compose. `outline` and `proxy` have volumes about
-//! links, `cull` culls pairs by them, and `links` and `obstacles` place shapes. `check` has the
+//! links, `cull` culls pairs by them, and `shell` by convex hulls. `lanes` and `cull_lanes` place
+//! and cull four configurations at a time. `links` and `obstacles` place shapes. `check` has the
 //! checks, `clearance` the clearances, and `motion` the proofs of motions: `reach` bounds how far
 //! links move, `interval` examines a time and what is free about it, and `certificate` verifies
 //! proofs. `audit` finds the pairs that never collide. Guarded by `tests/it/robots`.
@@ -40,10 +41,12 @@ mod certificate;
 mod check;
 mod clearance;
 mod cull;
+mod cull_lanes;
 mod error;
 mod frame;
 mod interval;
 mod joint;
+mod lanes;
 mod links;
 mod model;
 mod motion;
@@ -51,6 +54,7 @@ mod obstacles;
 mod outline;
 mod proxy;
 mod reach;
+mod shell;
 mod tree;
 
 pub use audit::{AuditOptions, AuditedPair, PairFinding};

@@ -9,6 +9,9 @@ use crate::shape::{Form, Shape};
 /// points and no list of edges is replaced by its box.
 const MAX_PAIRED: usize = 16;
 
+/// Center and radius of a sphere.
+pub(super) type Ball = ([f64; 3], f64);
+
 /// Points that span a shape, in the frame of the shape.
 ///
 /// Between two parallel planes, each part of the shape is contained in the convex hull of those of
@@ -17,8 +20,8 @@ const MAX_PAIRED: usize = 16;
 /// through its surface.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outline {
-    /// Centers and radii of the spheres that span the shape.
-    pub(super) spheres: Vec<([f64; 3], f64)>,
+    /// The spheres that span the shape.
+    pub(super) spheres: Vec<Ball>,
     /// Edges between spheres, which have the same radius.
     pub(super) edges: Vec<[u32; 2]>,
     /// Bound on the sum of the magnitudes of the terms of the three coordinates of a point.
@@ -75,7 +78,7 @@ impl Outline {
 
     /// Returns the spheres between two planes across a coordinate axis, and the spheres at the
     /// points where edges cross the planes.
-    pub(super) fn slab(&self, axis: usize, [low, high]: [f64; 2]) -> Vec<([f64; 3], f64)> {
+    pub(super) fn slab(&self, axis: usize, [low, high]: [f64; 2]) -> Vec<Ball> {
         let mut inside: Vec<_> =
             self.spheres.iter().copied().filter(|(point, _)| (low..=high).contains(&point[axis])).collect();
         for &[a, b] in &self.edges {

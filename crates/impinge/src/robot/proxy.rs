@@ -1,6 +1,7 @@
 //! Volumes about a link: a sphere and one to four capsules that contain its shape.
 
-use super::outline::Outline;
+use super::outline::{Ball, Outline};
+use super::shell::Shell;
 use crate::shape::Shape;
 use crate::volume::{BoundingSphere, BoundingVolume, Capsule, Round, fit};
 
@@ -38,10 +39,9 @@ pub(super) enum Proxy {
 pub(super) struct Volumes {
     pub(super) sphere: Ball,
     pub(super) capsules: Vec<Capsule>,
+    /// For each capsule the hull of what it contains of the shape, if it is known.
+    pub(super) shells: Vec<Option<Shell>>,
 }
-
-/// Center and radius of a sphere.
-pub(super) type Ball = ([f64; 3], f64);
 
 impl Proxy {
     /// Returns volumes about the shape of a link, given a bound on the factor by which the pose of
@@ -64,6 +64,7 @@ impl Volumes {
         let point = Capsule::new(center, center, 0.0).ok()?;
         let grown = |radius: f64| (radius * stretch + ENLARGEMENT * outline.size) * (1.0 + ENLARGEMENT);
         let sphere = (center, grown(reach(&point, &outline.spheres)));
+        let mut slabs = vec![outline.spheres.clone()];
         let mut capsules = vec![about(&outline.spheres)?];
         let mut volume = total(&capsules);
         for axis in 0..3 {
@@ -72,15 +73,15 @@ impl Volumes {
                 // The outermost slabs have no end, so that no rounded level leaves a point out.
                 let low = |cut: usize| if cut == 0 { f64::NEG_INFINITY } else { level(cut) };
                 let high = |cut: usize| if cut == count { f64::INFINITY } else { level(cut) };
-                let slabs = (0..count).map(|at| outline.slab(axis, [low(at), high(at + 1)]));
-                let found: Option<Vec<Capsule>> =
-                    slabs.filter(|slab| !slab.is_empty()).map(|slab| about(&slab)).collect();
+                let divided = (0..count).map(|at| outline.slab(axis, [low(at), high(at + 1)]));
+                let divided: Vec<Vec<Ball>> = divided.filter(|slab| !slab.is_empty()).collect();
+                let found: Option<Vec<Capsule>> = divided.iter().map(|slab| about(slab)).collect();
                 let Some(found) = found else { continue };
                 let more = found.len().saturating_sub(capsules.len()) as i32;
                 let fewer = capsules.len().saturating_sub(found.len()) as i32;
                 let new = total(&found);
                 if new * MIN_GAIN.powi(more) < volume * MIN_GAIN.powi(fewer) {
-                    (capsules, volume) = (found, new);
+                    (slabs, capsules, volume) = (divided, found, new);
                 }
             }
         }
@@ -88,7 +89,9 @@ impl Volumes {
             let [start, end] = capsule.ends();
             Capsule::new(start, end, grown(capsule.radius())).ok()
         };
-        Some(Self { sphere, capsules: capsules.iter().map(grow).collect::<Option<_>>()? })
+        let capsules = capsules.iter().map(grow).collect::<Option<_>>()?;
+        let shells = slabs.iter().map(|slab| Shell::about(slab, grown)).collect();
+        Some(Self { sphere, capsules, shells })
     }
 }
 
