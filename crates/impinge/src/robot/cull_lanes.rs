@@ -20,7 +20,7 @@ type Vectors<S> = [f64x4<S>; 3];
 /// A vector in each lane, in memory.
 type VectorLanes = [[f64; ROWS]; 3];
 
-/// What is compared in each configuration.
+/// Comparisons that each configuration needs.
 pub(super) struct Plan<'r> {
     proxies: &'r [Proxy],
     /// Pairs of links whose shapes may be somewhere.
