@@ -1,7 +1,7 @@
 //! Culls pairs of links in four configurations at a time.
 //!
-//! Spheres and capsules are compared as [`Culling`](super::cull::Culling) compares them. Convex hulls
-//! are compared where capsules overlap.
+//! Spheres and capsules are compared as [`Culling`](super::cull::Culling) compares them. Convex
+//! hulls are compared where capsules overlap.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x4};
