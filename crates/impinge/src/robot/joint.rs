@@ -168,6 +168,12 @@ impl Motion {
     pub(super) fn check(&self, values: &[f64]) -> Result<(), (usize, InvalidValue)> {
         /// Maximum magnitude of a length, 2^128, as for shapes.
         const MAX_LENGTH: f64 = (1_u128 << 127) as f64 * 2.0;
+        // Most joints have one coordinate, which is valid. A limit also excludes NaN.
+        if let &[value] = values
+            && value.abs() <= if self.kind == JointKind::Prismatic { MAX_LENGTH } else { MAX_ANGLE }
+        {
+            return Ok(());
+        }
         for (at, value) in values.iter().enumerate() {
             let limit = if self.kind.is_angle(at) { MAX_ANGLE } else { MAX_LENGTH };
             if !value.is_finite() {

@@ -30,7 +30,8 @@ pub(super) fn place(level: Level, robot: &Robot, rows: [&[f64]; ROWS], frames: &
     dispatch!(level, simd => {
         for step in robot.steps() {
             let parent = load(simd, &frames[step.parent]);
-            frames[step.child] = after(&parent, &parent_from_child(simd, step, rows)).map(|row| row.map(Into::into));
+            let child = after(&parent, &parent_from_child(simd, step, rows));
+            store(&child, &mut frames[step.child]);
         }
     });
 }
@@ -44,6 +45,15 @@ pub(super) fn frame_of(lanes: &FrameLanes, lane: usize) -> Frame {
 fn load<S: Simd>(simd: S, lanes: &FrameLanes) -> Map<S> {
     let [a, b, c] = lanes;
     [load_row(simd, a), load_row(simd, b), load_row(simd, c)]
+}
+
+#[inline(always)]
+fn store<S: Simd>(map: &Map<S>, lanes: &mut FrameLanes) {
+    for i in 0..3 {
+        for j in 0..4 {
+            map[i][j].store_slice(&mut lanes[i][j]);
+        }
+    }
 }
 
 #[inline(always)]

@@ -1,8 +1,9 @@
 //! Convex hulls of the pieces of links, and a search for a direction that separates two of them.
 //!
 //! The iteration of Gilbert, Johnson and Keerthi proposes directions and proves nothing. Along each
-//! direction the gap between two hulls is bounded from below (lemma L43 of the proofs). Vertices
-//! are compared eight at a time in single precision.
+//! direction the gap between two hulls is bounded from below (lemma L43 of the proofs). Directions
+//! are divided into [cells](cell_of). Each cell has a list of the vertices that are the highest
+//! along some direction of the cell, which are compared eight at a time in single precision.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, u32x8};
@@ -24,6 +25,13 @@ const SINGLE: f64 = 16.0 * (f32::EPSILON as f64) * 0.5;
 /// Bound on what heights in single precision lose by underflow, 2^-120.
 const UNDERFLOW: f64 = 64.0 * (f32::MIN_POSITIVE as f64);
 
+/// Number of cells of directions: one for each axis along which a direction is the longest, and for
+/// each of the signs of its entries.
+const CELLS: usize = 24;
+
+/// Maximum number of vertices for which all cells share one list.
+const MAX_SHARED: usize = 2 * LANES;
+
 /// Maximum size of a hull, 2^100.
 const MAX_SIZE: f64 = (1_u128 << 100) as f64;
 
@@ -34,8 +42,11 @@ pub(super) const ROUNDING: f64 = 1.0 + 64.0 * f64::EPSILON;
 #[derive(Clone, Debug)]
 pub(super) struct Shell {
     center: [f64; 3],
-    /// Offsets of the vertices from the center by axis. Unused lanes repeat a vertex.
+    /// Offsets of vertices from the center by axis, the lists of all cells in turn. Unused lanes
+    /// repeat a vertex.
     blocks: Vec<[[f32; LANES]; 3]>,
+    /// First and last block of the list of each cell.
+    lists: [[u32; 2]; CELLS],
     /// Radius, and the rounding of heights along a direction of length 1.
     radius: f64,
 }
@@ -52,25 +63,42 @@ impl Shell {
         for (k, middle) in center.iter_mut().enumerate() {
             *middle = 0.5 * end(f64::min, k)? + 0.5 * end(f64::max, k)?;
         }
-        let offset = |vertex: &[f64; 3]| sub(vertex, &center);
-        let size = vertices.iter().map(|vertex| dot(&offset(vertex), &offset(vertex))).fold(0.0, f64::max).sqrt();
-        let block = |chunk: &[[f64; 3]]| {
-            [0, 1, 2].map(|k| std::array::from_fn(|lane| offset(chunk.get(lane).unwrap_or(&chunk[0]))[k] as f32))
-        };
+        let offsets: Vec<[f64; 3]> = vertices.iter().map(|vertex| sub(vertex, &center)).collect();
+        let size = offsets.iter().map(|offset| dot(offset, offset)).fold(0.0, f64::max).sqrt();
+        if size.is_nan() || size >= MAX_SIZE {
+            return None;
+        }
+        let offsets: Vec<[f32; 3]> = offsets.iter().map(|offset| offset.map(|x| x as f32)).collect();
+        let (mut blocks, mut lists) = (Vec::new(), [[0; 2]; CELLS]);
+        for (cell, list) in lists.iter_mut().enumerate() {
+            if cell > 0 && offsets.len() <= MAX_SHARED {
+                *list = [0, blocks.len() as u32];
+                continue;
+            }
+            let first = blocks.len() as u32;
+            let highest = if offsets.len() <= MAX_SHARED { offsets.clone() } else { highest_in(cell, &offsets) };
+            blocks.extend(highest.chunks(LANES).map(|chunk| {
+                let coordinate = |k: usize, lane: usize| chunk.get(lane).unwrap_or(&chunk[0])[k];
+                [0, 1, 2].map(|k| std::array::from_fn(|lane| coordinate(k, lane)))
+            }));
+            *list = [first, blocks.len() as u32];
+        }
         let radius = spheres.iter().map(|(_, radius)| *radius).fold(0.0, f64::max);
         let radius = grown(radius) + SINGLE * size + UNDERFLOW;
-        let blocks = vertices.chunks(LANES).map(block).collect();
-        (size < MAX_SIZE).then_some(Self { center, blocks, radius })
+        Some(Self { center, blocks, lists, radius })
     }
 
     /// Returns the greatest height of the offsets along a direction in the frame of the link, and
     /// the offset that has it.
     #[inline(always)]
     fn support<S: Simd>(&self, simd: S, direction: [f64; 3]) -> (f64, [f64; 3]) {
-        let [x, y, z] = direction.map(|entry| f32x8::splat(simd, entry as f32));
+        let direction = direction.map(|entry| entry as f32);
+        let [first, last] = self.lists[cell_of(direction)];
+        let blocks = &self.blocks[first as usize..last as usize];
+        let [x, y, z] = [0, 1, 2].map(|k| f32x8::splat(simd, direction[k]));
         let mut highest = f32x8::splat(simd, f32::NEG_INFINITY);
         let (mut places, mut place) = (u32x8::splat(simd, 0), u32x8::splat(simd, 0));
-        for [p, q, r] in &self.blocks {
+        for [p, q, r] in blocks {
             let [p, q, r] = [p, q, r].map(|lanes| f32x8::from_slice(simd, lanes));
             let height = x * p + y * q + z * r;
             let is_higher = height.simd_gt(highest);
@@ -85,9 +113,43 @@ impl Shell {
                 lane = other;
             }
         }
-        let block = &self.blocks[places[lane] as usize];
+        let block = &blocks[places[lane] as usize];
         (f64::from(heights[lane]), [0, 1, 2].map(|k| f64::from(block[k][lane])))
     }
+}
+
+/// Returns the cell of a direction: which entry is the greatest in magnitude, and the signs of all.
+#[inline(always)]
+fn cell_of(direction: [f32; 3]) -> usize {
+    let [x, y, z] = direction.map(f32::abs);
+    let axis = if x >= y && x >= z { 0 } else { 1 + usize::from(y < z) };
+    let sign = |k: usize| usize::from(direction[k] < 0.0) << k;
+    8 * axis + sign(0) + sign(1) + sign(2)
+}
+
+/// Returns the points that may be the highest along a direction of a cell. A point is left out if
+/// another is higher along all four edges of the cell, and so along all directions between them.
+fn highest_in(cell: usize, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let (axis, signs) = (cell / 8, cell % 8);
+    let sign = |k: usize| if signs >> k & 1 == 0 { 1.0 } else { -1.0 };
+    let edge = |others: usize| -> [f64; 3] {
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        let mut edge = [0.0; 3];
+        edge[axis] = sign(axis);
+        edge[i] = sign(i) * (others & 1) as f64;
+        edge[j] = sign(j) * (others >> 1) as f64;
+        edge
+    };
+    let edges = [0, 1, 2, 3].map(edge);
+    let heights = |point: &[f32; 3]| edges.map(|edge| dot(&edge, &point.map(f64::from)));
+    let all: Vec<[f64; 4]> = points.iter().map(heights).collect();
+    // Points that are high along the edges, or along all of them together.
+    let sum = |heights: &[f64; 4]| heights.iter().sum::<f64>();
+    let along_edge = |k: usize| all.iter().max_by(|p, q| p[k].total_cmp(&q[k]).then(sum(p).total_cmp(&sum(q))));
+    let middle = all.iter().max_by(|p, q| sum(p).total_cmp(&sum(q)));
+    let high: Vec<[f64; 4]> = [0, 1, 2, 3].into_iter().filter_map(along_edge).chain(middle).copied().collect();
+    let is_below = |own: &[f64; 4]| high.iter().any(|other| (0..4).all(|k| other[k] > own[k]));
+    points.iter().zip(&all).filter(|(_, own)| !is_below(own)).map(|(point, _)| *point).collect()
 }
 
 /// Reports whether two hulls at their frames are proved to be farther apart than a margin. The
