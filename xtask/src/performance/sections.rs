@@ -20,7 +20,7 @@ const fn time(quantity: &'static str, heading: &'static str, unit: Unit) -> Time
 }
 
 /// Sections in the order of the page.
-pub(crate) const SECTIONS: [Section; 15] = [
+pub(crate) const SECTIONS: [Section; 16] = [
     Section {
         heading: "All intersecting pairs beside FCL and Coal",
         about: "\
@@ -209,6 +209,20 @@ pair is. In the duplex, pairs with an open part, such as a window, take nine ten
             ours: "impinge",
             counts: &[("IfcClash", "missed", "missed by IfcClash"), ("IfcClash", "false", "false of IfcClash")],
             times: &[time("time median", "", Unit::Milliseconds)],
+        },
+    },
+    Section {
+        heading: "Robots beside Pinocchio with Coal",
+        about: "\
+Whether a robot collides with itself in a configuration, with the kinematics, on one thread: median
+of the runs, mean of the configurations. Pinocchio and Coal are called in a loop, which costs about
+a microsecond of Python, and stop at the first collision, too. All verdicts are right.",
+        bench: "robots",
+        pivot: Pivot {
+            cases: "robot",
+            ours: "impinge",
+            counts: &[("impinge", "rows", "configurations")],
+            times: &[time("configuration median", "", Unit::Microseconds)],
         },
     },
     Section {
