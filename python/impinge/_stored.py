@@ -82,7 +82,7 @@ def _regular(path: str) -> BinaryIO:
 
 
 def header_of(baked: bytes | memoryview) -> bytes:
-    """Return the header of a baked mesh with its table; it is empty if there is none."""
+    """Return the header of a baked mesh with its table; empty if the bytes are no baked mesh."""
     if len(baked) < _FIXED or bytes(baked[: len(_MAGIC)]) != _MAGIC:
         return b""
     sections = int.from_bytes(baked[28:32], "little")

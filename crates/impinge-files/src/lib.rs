@@ -98,7 +98,7 @@ pub use character_file::{
     character_text, load_character, load_character_with, load_plan, load_plan_with, parse_character, parse_plan,
 };
 pub use clash::{
-    Asked, InvalidLength, Length, Repaired, ReportAbout, RulesFile, RulesFormat, SceneAbout, length_text,
+    Asked, InvalidLength, Length, Repaired, ReportAbout, RulesFile, RulesFormat, SceneAbout, bounds_of, length_text,
     load_previous, load_rules, parse_previous, parse_rules, write_clash_csv, write_clash_json,
 };
 pub use error::{LoadError, LoadErrorKind, Place};

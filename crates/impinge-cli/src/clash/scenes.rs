@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use impinge::scene::Scene;
-use impinge_files::{Format, Repaired, SceneAbout, SceneOptions, Unit, load_scene};
+use impinge_files::{Format, Repaired, SceneAbout, SceneOptions, Unit, bounds_of, load_scene};
 use rayon::prelude::*;
 
 use super::Arguments;
@@ -154,8 +154,7 @@ fn names(arguments: &Arguments, files: &[(String, PathBuf)]) -> Result<Vec<Optio
 
 /// Returns the middle of all scenes, in whole units.
 fn middle(loaded: &[Loaded]) -> [f64; 3] {
-    let boxes: Vec<[[f64; 3]; 2]> =
-        loaded.iter().filter_map(|scene| SceneAbout::new("", &scene.scene).bounds).collect();
+    let boxes: Vec<[[f64; 3]; 2]> = loaded.iter().filter_map(|scene| bounds_of(&scene.scene)).collect();
     std::array::from_fn(|k| {
         let low = boxes.iter().map(|[min, _]| min[k]).fold(f64::INFINITY, f64::min);
         let high = boxes.iter().map(|[_, max]| max[k]).fold(f64::NEG_INFINITY, f64::max);

@@ -145,17 +145,17 @@ impl SceneAbout {
         let open = meshes.par_iter().filter(|(mesh, _)| !mesh.is_closed()).map(|(_, uses)| uses).sum();
         let repairable = if open == 0 { 0 } else { scene.clone().repair().len() };
         let triangles = meshes.iter().map(|(mesh, uses)| mesh.faces().len() * uses).sum();
-        let mut bounds: Option<[[f64; 3]; 2]> = None;
-        for &part in &parts {
-            let Some([min, max]) = scene.shape(part).at(*scene.pose(part)).ok().and_then(|placed| placed.bounds())
-            else {
-                continue;
-            };
-            let [low, high] = bounds.unwrap_or([min, max]);
-            let (low, high) =
-                (std::array::from_fn(|k| low[k].min(min[k])), std::array::from_fn(|k| high[k].max(max[k])));
-            bounds = Some([low, high]);
-        }
+        let bounds = bounds_of(scene);
         Self { label: label.into(), parts: parts.len(), triangles, open, repairable, bounds, ..Self::default() }
     }
+}
+
+/// Returns the lower and upper corner of the box around all bounded parts of a scene, in the world
+/// frame, or `None` if no part is bounded.
+#[must_use]
+pub fn bounds_of(scene: &Scene) -> Option<[[f64; 3]; 2]> {
+    let bounds = |part: PartId| scene.shape(part).at(*scene.pose(part)).ok()?.bounds();
+    scene.parts().filter_map(bounds).reduce(|[low, high], [min, max]| {
+        [std::array::from_fn(|k| low[k].min(min[k])), std::array::from_fn(|k| high[k].max(max[k]))]
+    })
 }

@@ -15,7 +15,7 @@ mod report_json;
 mod rules;
 mod toml_rules;
 
-pub use about::{Asked, Repaired, ReportAbout, SceneAbout};
+pub use about::{Asked, Repaired, ReportAbout, SceneAbout, bounds_of};
 pub use length::{InvalidLength, Length};
 pub use previous::{load_previous, parse_previous};
 pub use report_csv::write_clash_csv;
