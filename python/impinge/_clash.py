@@ -30,6 +30,7 @@ def clash(
     previous: ClashReport | str | os.PathLike[str] | None = None,
     contacts: bool = False,
     volume: bool = False,
+    curves: bool = False,
     up: Literal["x", "y", "z"] | None = None,
     progress: bool = False,
     on: Cluster | None = None,
@@ -64,6 +65,9 @@ def clash(
         Whether pairs that touch are listed, too.
     volume : bool
         Whether to compute the volume of the material that two parts share.
+    curves : bool
+        Whether to trace the curves in which the surfaces of two parts intersect. With `on` they are
+        traced by the threads of this process.
     up : {"x", "y", "z"}, optional
         The axis of the scenes that points up in pictures, pages and BCF. By default it is y if a
         mesh was loaded from glTF, and z otherwise.
@@ -112,7 +116,7 @@ def clash(
         [(label, parts_of(scene), list(scene._ignored_places())) for label, scene in labeled.items()],
         (unit_of(labeled), up_of(labeled) if up is None else chosen(up, ("x", "y", "z"), "up")),
         (_length(tolerance, "tolerance"), _length(clearance, "clearance")),
-        (flag(between, "between"), flag(contacts, "contacts"), flag(volume, "volume")),
+        (flag(between, "between"), flag(contacts, "contacts"), flag(volume, "volume"), flag(curves, "curves")),
         (_rules(rules), [previous.to_json()] if isinstance(previous, ClashReport) else _path(previous, "previous")),
     )
     return ClashReport(engine(on).clash(question, progress), _date(labeled))

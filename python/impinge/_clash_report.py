@@ -118,6 +118,11 @@ class ClashReport:
         return _numbers((each.gap for each in self), 2)
 
     @property
+    def volume(self) -> NDArray[np.float64]:
+        """Lower and upper bound of each common volume, (k, 2); NaN for a clash without one."""
+        return _numbers((each.volume for each in self), 2)
+
+    @property
     def point(self) -> NDArray[np.float64]:
         """Point where the parts of each clash meet, (k, 3); NaN for a clash without one."""
         return _numbers((each.point for each in self), 3)
@@ -307,7 +312,7 @@ class ClashReport:
         sides = {"a": [each.a for each in self], "b": [each.b for each in self]}
         fields = ("scene", "key", "type", "name")
         parts = {f"{side}_{of}": _texts(getattr(p, of) for p in some) for side, some in sides.items() for of in fields}
-        bounds = {"depth": self.depth, "gap": self.gap}
+        bounds = {"depth": self.depth, "gap": self.gap, "volume": self.volume}
         ends = {f"{of}_{end}": rows[:, at] for of, rows in bounds.items() for at, end in enumerate(("lower", "upper"))}
         texts = ("id", "kind", "status", "rule", "severity")
         return {

@@ -48,6 +48,9 @@ class Clash:
         Lower and upper bound of the gap of a pair within the clearance.
     volume : (float, float) or None
         Lower and upper bound of the volume of the common material, if it was asked for.
+    curves : tuple of tuple of (float, float, float), or None
+        Polylines in which the surfaces of the parts intersect, if they were asked for, as
+        `intersection_curves` returns them. None if a part is not a mesh, or if there is a gap.
     point : (float, float, float) or None
         Point that shows where the parts meet, in the world frame.
     normal : (float, float, float) or None
@@ -80,6 +83,7 @@ class Clash:
     depth: tuple[float, float] | None
     gap: tuple[float, float] | None
     volume: tuple[float, float] | None
+    curves: tuple[tuple[tuple[float, float, float], ...], ...] | None
     point: tuple[float, float, float] | None
     normal: tuple[float, float, float] | None
     faces: tuple[int, int] | None
@@ -156,6 +160,8 @@ def clash_of(row: dict[str, Any], sentence: str) -> Clash:
     fields |= {of: part_of(row[of]) for of in ("a", "b")}
     fields |= {of: _interval(row.get(of)) for of in ("depth", "gap", "volume")}
     fields |= {of: tuple(row[of]) if of in row else None for of in ("point", "normal", "faces")}
+    lines = row.get("curves")
+    fields["curves"] = None if lines is None else tuple(tuple(map(tuple, line)) for line in lines)
     fields["box"] = tuple(map(tuple, row["box"])) if "box" in row else None
     return Clash(sentence=sentence, **fields)
 

@@ -80,9 +80,9 @@ def test_arrays_have_one_row_for_each_clash():
     report = impinge.clash(house(), clearance=0.1, contacts=True)
     assert report.a.tolist() == [each.a.key for each in report]
     assert set(report.b.tolist()) | set(report.a.tolist()) == {"key-wall", "key-pipe", "key-lamp", "key-shelf"}
-    assert (report.depth.shape, report.gap.shape, report.point.shape, report.box.shape) == (
-        (3, 2), (3, 2), (3, 3), (3, 2, 3)
-    )  # fmt: skip
+    assert (report.depth.shape, report.gap.shape, report.volume.shape) == ((3, 2), (3, 2), (3, 2))
+    assert (report.point.shape, report.box.shape) == ((3, 3), (3, 2, 3))
+    assert np.isnan(report.volume).all()
     assert np.isnan(report.depth[2]).all()
     assert np.isnan(report.gap[:2]).all()
     assert tuple(report.depth[0]) == report[0].depth
@@ -95,8 +95,22 @@ def test_arrays_have_one_row_for_each_clash():
     assert frame["proved"].all()
 
 
+def test_curves_are_traced_if_they_are_asked_for():
+    scene = house()
+    report = impinge.clash(scene, clearance=0.1, contacts=True, curves=True)
+    clash, contact, near = report
+    for each in (clash, contact):
+        poses = [scene.poses[part.name] for part in (each.a, each.b)]
+        expected = impinge.intersection_curves(CUBE, CUBE, *poses)
+        assert len(each.curves) == len(expected) > 0
+        assert all(np.array_equal(line, curve) for line, curve in zip(each.curves, expected, strict=True))
+    assert near.curves is None
+    assert impinge.clash(scene)[0].curves is None
+    assert json.loads(report.to_json())["asked"]["curves"]
+
+
 def test_files_have_what_the_report_has(tmp_path):
-    report = impinge.clash(typed(), contacts=True)
+    report = impinge.clash(typed(), contacts=True, volume=True)
     text = report.to_json(tmp_path / "new.json")
     assert (tmp_path / "new.json").read_text() == text
     found = json.loads(text)
@@ -106,6 +120,8 @@ def test_files_have_what_the_report_has(tmp_path):
     assert (tmp_path / "new.csv").read_bytes().decode() == report.to_csv()
     assert [row["id"] for row in rows] == [each.id for each in report]
     assert [float(row["depth_lower"]) for row in rows] == report.depth[:, 0].tolist()
+    assert [row["volume_upper"] for row in rows] == [str(each.volume[1]) if each.volume else "" for each in report]
+    assert any(each.volume for each in report)
 
 
 def test_the_report_does_not_depend_on_threads_or_order():

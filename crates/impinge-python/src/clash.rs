@@ -57,9 +57,9 @@ pub(crate) type Question<'py> = (Vec<Labeled<'py>>, (Option<String>, String), Le
 /// The tolerance and the clearance.
 type Lengths = (Option<LengthOption>, Option<LengthOption>);
 
-/// Whether only parts of different scenes are compared, whether contacts are listed, and whether
-/// volumes are computed.
-type Flags = (bool, bool, bool);
+/// Whether only parts of different scenes are compared, whether contacts are listed, whether volumes
+/// are computed, and whether curves are traced.
+type Flags = (bool, bool, bool, bool);
 
 /// The rules and the previous report.
 type Files = (Option<Source>, Option<Source>);
@@ -195,7 +195,8 @@ pub(crate) fn no_unit(py: Python<'_>) -> PyErr {
 impl Search {
     /// Reads the question.
     pub(crate) fn read<'py>(py: Python<'py>, question: Question<'py>) -> PyResult<Self> {
-        let (scenes, (unit, up), (tolerance, clearance), (between, contacts, volume), (rules, previous)) = question;
+        let (scenes, (unit, up), (tolerance, clearance), (between, contacts, volume, curves), (rules, previous)) =
+            question;
         let unit = unit_of(py, unit.as_deref())?;
         let scenes = scenes.into_iter().map(|labeled| scene(py, labeled)).collect::<PyResult<Vec<_>>>()?;
         let path = |source: &Option<Source>| match source {
@@ -214,6 +215,7 @@ impl Search {
             clearance,
             contacts,
             volume,
+            curves,
             between,
             rules: rules_path,
             previous: previous_path,
@@ -283,12 +285,15 @@ impl Search {
 fn found(search: &Arc<Search>, execution: Execution<'_>) -> Result<Found, ClashError> {
     let sides = search.sides();
     let report = find(&sides, search.options(&sides), execution)?;
-    Ok(written(search, report))
+    written(search, report, execution.budget())
 }
 
-/// Returns the answer with a report.
-pub(crate) fn written(search: &Arc<Search>, report: Report) -> Found {
+/// Returns the answer with a report, whose curves are traced first if they were asked for.
+pub(crate) fn written(search: &Arc<Search>, mut report: Report, budget: &Budget<'_>) -> Result<Found, ClashError> {
     let sides = search.sides();
+    if search.asked.curves {
+        report.trace_curves(&sides, Execution::default().with_budget(budget))?;
+    }
     let about = search.about(&sides);
     let (mut json, mut csv) = (Vec::new(), Vec::new());
     // Writing to a list of bytes cannot fail, and both reports are UTF-8.
@@ -297,14 +302,14 @@ pub(crate) fn written(search: &Arc<Search>, report: Report) -> Found {
     let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
     let length = |x: f64| length_text(x, search.unit);
     let groups = [("part", Grouping::Part), ("type", Grouping::Type), ("scene", Grouping::Scene)];
-    Found {
+    Ok(Found {
         json: text(json),
         csv: text(csv),
         counts: counts(&report.counts),
         sentences: report.clashes.iter().map(|clash| clash.sentence(&length)).collect(),
         groups: groups.map(|(name, grouping)| (name, group_rows(&report, grouping, &length))).into(),
         files: ClashFiles::new(search, report),
-    }
+    })
 }
 
 fn counts(counts: &Counts) -> Vec<(&'static str, usize)> {

@@ -105,7 +105,7 @@ pub(crate) fn clash_report<'py>(
         if rows.len() != job.candidates() {
             return Ok(None);
         }
-        Ok(Some(written(&asking, job.report(rows, None))))
+        written(&asking, job.report(rows, None), budget).map(Some)
     })?;
     let found = found.map_err(|error| search.raised(py, error))?;
     let found = found.ok_or_else(|| PyIndexError::new_err("each pair has one finding"))?;

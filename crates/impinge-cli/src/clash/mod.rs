@@ -65,9 +65,12 @@ pub(crate) struct Arguments {
     /// List pairs of parts that touch, too
     #[arg(long)]
     contacts: bool,
-    /// Compute the volume of the material that two parts share, for --json
+    /// Compute the volume of the material that two parts share, for --json and --csv
     #[arg(long)]
     volume: bool,
+    /// Trace the curves in which the surfaces of two parts intersect, for --json
+    #[arg(long, requires = "json")]
+    curves: bool,
     /// Sets, rules, ignores and accepted clashes in a .toml file, a .csv matrix of groups, or the
     /// .json clash sets of IfcClash
     #[arg(long, value_name = "RULES")]
@@ -194,7 +197,13 @@ fn answer(arguments: &Arguments) -> Result<Verdict, Failure> {
     let asked = arguments.asked(&sides, unit, rules_file.as_ref())?;
     let rules = arguments.with_sag(rules_file.as_ref(), &asked, accepts);
     let (report, search) = timed_search(&sides, &options(arguments, &asked, rules.as_ref(), previous.as_ref()));
-    let report = report.map_err(|error| failure(&error, arguments, rules_file.as_ref()))?;
+    let mut report = report.map_err(|error| failure(&error, arguments, rules_file.as_ref()))?;
+    if arguments.curves {
+        let bar = Bar::begin("tracing curves", report.clashes.len() as u64);
+        let advance = |rows: usize| bar.advance_by(rows as u64);
+        let traced = report.trace_curves(&sides, Execution::default().with_progress(&advance));
+        traced.map_err(|error| Failure::new("memory", error.to_string()))?;
+    }
     previous.iter().for_each(|previous| notes::on_previous(previous, &asked, unit));
     rules.iter().for_each(|rules| notes::on_accepts(rules, &report));
     let scenes = loaded.iter().map(Loaded::about).collect();
@@ -329,6 +338,7 @@ impl Arguments {
             sag: length(self.sag, "--sag")?,
             contacts: self.contacts,
             volume: self.volume,
+            curves: self.curves,
             between: self.between,
             rules: path_text(self.rules.as_deref()),
             previous: path_text(self.previous.as_deref()),

@@ -124,9 +124,29 @@ fn clashes_have_a_direction_faces_and_a_volume() {
 }
 
 #[test]
+fn clashes_have_the_curves_in_which_surfaces_meet() {
+    let folder = folder();
+    let report = json(&folder.run("clash house.obj --unit m --clearance 20mm --curves --json"));
+    assert_eq!(report["asked"]["curves"], true);
+    let of_kind =
+        |kind: &str| report["clashes"].as_array().unwrap().iter().find(|clash| clash["kind"] == kind).unwrap();
+    assert!(of_kind("clearance").get("curves").is_none());
+    let clash = of_kind("clash");
+    let lines: Vec<Vec<[f64; 3]>> = serde_json::from_value(clash["curves"].clone()).unwrap();
+    assert!(!lines.is_empty() && lines.iter().all(|line| line.len() > 4 && line.first() == line.last()), "{clash}");
+    // Boxes are rounded outward.
+    let [min, max]: [[f64; 3]; 2] = serde_json::from_value(clash["box"].clone()).unwrap();
+    let inside = |point: &[f64; 3]| (0..3).all(|k| min[k] <= point[k] && point[k] <= max[k]);
+    assert!(lines.iter().flatten().all(inside), "{clash}");
+    let without = json(&folder.run("clash house.obj --unit m --json"));
+    assert!(without["clashes"][0].get("curves").is_none() && without["asked"].get("curves").is_none());
+    assert_eq!(folder.run("clash house.obj --unit m --curves").code, 2);
+}
+
+#[test]
 fn files_are_written_beside_the_report() {
     let folder = folder();
-    let run = folder.run("clash house.obj --unit m --json=out.json --csv out.csv");
+    let run = folder.run("clash house.obj --unit m --volume --json=out.json --csv out.csv");
     assert_eq!(run.code, 1);
     assert!(run.stdout.contains("1 clash"));
     let report: Value = serde_json::from_str(&folder.read("out.json")).unwrap();
@@ -134,7 +154,11 @@ fn files_are_written_beside_the_report() {
     let rows: Vec<&str> = csv.lines().collect();
     assert_eq!(rows.len(), 2);
     assert!(rows[0].starts_with("id,kind,status,"));
-    assert!(rows[1].starts_with(&format!("{},clash,new,,,m,", report["clashes"][0]["id"].as_str().unwrap())));
+    let clash = &report["clashes"][0];
+    assert!(rows[1].starts_with(&format!("{},clash,new,,,m,", clash["id"].as_str().unwrap())));
+    assert!(rows[0].ends_with(",volume_lower,volume_upper"));
+    let volume = clash["volume"].as_array().unwrap();
+    assert!(rows[1].ends_with(&format!(",{},{}", volume[0], volume[1])), "{}", rows[1]);
 }
 
 #[test]

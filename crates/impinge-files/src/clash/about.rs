@@ -105,6 +105,9 @@ pub struct Asked {
     /// Whether the volumes of common material are computed.
     #[serde(skip_serializing_if = "is_false")]
     pub volume: bool,
+    /// Whether the intersection curves are traced.
+    #[serde(skip_serializing_if = "is_false")]
+    pub curves: bool,
     /// Whether only parts of different scenes are compared.
     #[serde(skip_serializing_if = "is_false")]
     pub between: bool,

@@ -8,7 +8,7 @@ use impinge::clash::{Clash, Member, Report};
 use super::about::ReportAbout;
 
 /// Columns of the file.
-const COLUMNS: [&str; 29] = [
+const COLUMNS: [&str; 31] = [
     "id",
     "kind",
     "status",
@@ -38,6 +38,8 @@ const COLUMNS: [&str; 29] = [
     "note",
     "a_part",
     "b_part",
+    "volume_lower",
+    "volume_upper",
 ];
 
 /// Writes a report as CSV with a head. Each clash is a row, and each duplicate of a set is a row
@@ -63,11 +65,12 @@ pub fn write_clash_csv(out: &mut dyn Write, report: &Report, about: &ReportAbout
             push_parts(&mut row, [&set.parts[0], part]);
             row.extend(["true".to_owned(), String::new(), String::new(), note]);
             push_numbers(&mut row, [&set.parts[0], part]);
+            row.resize(COLUMNS.len(), String::new());
             csv.write_record(&row)?;
         }
     }
     for clash in &report.clashes {
-        let Clash { id, kind, status, severity, depth, gap, point, proved, why, accepted, note, .. } = clash;
+        let Clash { id, kind, status, severity, depth, gap, volume, point, proved, why, accepted, note, .. } = clash;
         let text = |text: &Option<String>| text.clone().unwrap_or_default();
         let numbers = |numbers: Option<&[f64]>, count: usize| match numbers {
             // An infinite upper bound is not known.
@@ -87,6 +90,7 @@ pub fn write_clash_csv(out: &mut dyn Write, report: &Report, about: &ReportAbout
         row.extend(numbers(accepted.as_ref().map(std::slice::from_ref), 1));
         row.push(text(note));
         push_numbers(&mut row, [&clash.a, &clash.b]);
+        row.extend(numbers(volume.as_ref().map(|volume| &volume[..]), 2));
         csv.write_record(&row)?;
     }
     csv.flush()

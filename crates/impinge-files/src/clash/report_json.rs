@@ -6,6 +6,7 @@
 use std::io::{self, Write};
 
 use impinge::clash::{Clash, DuplicateSet, Gone, Group, Inner, Kind, Known, Member, Report, Shared};
+use impinge::query::Curves;
 use serde::Serialize;
 
 use super::about::ReportAbout;
@@ -277,6 +278,10 @@ struct ClashRow<'r> {
     normal: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     faces: Option<[u32; 2]>,
+    /// Polylines, and then one list with a single point for each isolated point in which the surfaces
+    /// touch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    curves: Option<Vec<&'r [[f64; 3]]>>,
     #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
     bounds: Option<[[f64; 3]; 2]>,
     proved: bool,
@@ -308,10 +313,16 @@ fn clash<'r>(clash: &'r Clash, about: &ReportAbout<'r>) -> ClashRow<'r> {
         point: clash.point,
         normal: clash.normal,
         faces: clash.faces,
+        curves: clash.curves.as_ref().map(lines),
         bounds: clash.bounds,
         proved: clash.proved,
         why: clash.why.map(|why| why.to_string()),
     }
+}
+
+fn lines(curves: &Curves) -> Vec<&[[f64; 3]]> {
+    let points = curves.points.iter().map(std::slice::from_ref);
+    curves.polylines.iter().map(Vec::as_slice).chain(points).collect()
 }
 
 #[derive(Serialize)]

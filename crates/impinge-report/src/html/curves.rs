@@ -1,7 +1,6 @@
 //! The intersection curves of the two parts of each clash.
 
-use impinge::clash::{Clash, Report, Side};
-use impinge::query::intersection_curves;
+use impinge::clash::{self, Clash, Report, Side};
 use rayon::prelude::*;
 
 use super::integers::push_integer;
@@ -71,11 +70,8 @@ impl Curves {
 
 /// Returns the curves of a clash, or none if a part is not a mesh.
 fn polylines(sides: &[Side<'_>], clash: &Clash) -> Vec<Vec<[f64; 3]>> {
-    let placed = |member: &impinge::clash::Member| {
-        let scene = sides.iter().find(|side| side.label == member.scene)?.scene;
-        let (mesh, _) = scene.shape(member.part).as_mesh()?;
-        Some((mesh, *scene.pose(member.part)))
-    };
-    let (Some((a, pose_a)), Some((b, pose_b))) = (placed(&clash.a), placed(&clash.b)) else { return Vec::new() };
-    intersection_curves(a.at(pose_a), b.at(pose_b)).polylines
+    match &clash.curves {
+        Some(traced) => traced.polylines.clone(),
+        None => clash::curves(clash, sides).unwrap_or_default().polylines,
+    }
 }

@@ -272,6 +272,7 @@ impl<'s> Job<'s> {
             depth,
             gap,
             volume: finding.volume,
+            curves: None,
             point: finding.point,
             faces: finding.faces,
             normal: finding.normal,

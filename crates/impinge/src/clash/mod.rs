@@ -38,8 +38,9 @@
 //!
 //! `sides` has the scenes and their parts, `rules` and `matching` the rules, `near` the broad
 //! phase, `kinds` the kind of a pair, and `job` the search. `report`, `identity`, `status`,
-//! `decades`, `groups` and `sentence` make the report. Guarded by `tests/it/clash`.
+//! `decades`, `groups`, `sentence` and `curves` make the report. Guarded by `tests/it/clash`.
 
+mod curves;
 mod decades;
 mod error;
 mod groups;
@@ -56,6 +57,7 @@ mod sentence;
 mod sides;
 mod status;
 
+pub use curves::curves;
 pub use decades::{Decade, Decades, DepthGap};
 pub use error::ClashError;
 pub use groups::{Group, Grouping, Shared};

@@ -10,6 +10,7 @@ use super::kinds::{Kind, Why};
 use super::sides::Member;
 use super::status::{Gone, Status};
 use crate::budget::Stopped;
+use crate::query::Curves;
 
 /// A pair of parts that a report lists.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +40,10 @@ pub struct Clash {
     pub gap: Option<[f64; 2]>,
     /// Lower and upper bound of the volume of the common material, in cubed world units.
     pub volume: Option<[f64; 2]>,
+    /// Curves in which the surfaces of the parts intersect, if
+    /// [`trace_curves`](Report::trace_curves) was called. `None` if a part is not a mesh, or if
+    /// there is a gap between the parts.
+    pub curves: Option<Curves>,
     /// Point that shows where the parts meet, in the world frame.
     pub point: Option<[f64; 3]>,
     /// The nearest faces of `a` and `b` to the point. `None` unless both are meshes.

@@ -1,9 +1,9 @@
 //! Reports: kinds, order, groups, sentences, and that they do not depend on order or threads.
 
-use impinge::clash::{ClashError, Grouping, Options, Shared, Side, default_tolerance, find, identity};
+use impinge::clash::{ClashError, Grouping, Kind, Options, Shared, Side, default_tolerance, find, identity};
 use impinge::query::batch::Execution;
 use impinge::scene::Scene;
-use impinge::{Budget, Mesh, Pose, Positions, Shape};
+use impinge::{Budget, Mesh, Pose, Positions, Shape, query};
 
 use super::models::{block, house, report, rows, scene_of, side};
 
@@ -46,6 +46,37 @@ fn contacts_are_listed_if_they_are_asked_for() {
     assert_eq!(rows(&found), ["contact a b"]);
     assert!(found.is_clear());
     assert_eq!(rows(&report(&blocks, Options::new(1e-6))), [""; 0]);
+}
+
+#[test]
+fn curves_are_those_of_the_two_surfaces() {
+    let scene = scene_of(&house());
+    let sides = [side("house", &scene)];
+    let mut found = find(&sides, options(), Execution::default()).unwrap();
+    assert!(found.clashes.iter().all(|clash| clash.curves.is_none()));
+    found.trace_curves(&sides, Execution::default()).unwrap();
+    let mut curves = Vec::new();
+    for clash in &found.clashes {
+        let placed = [&clash.a, &clash.b].map(|member| {
+            let (mesh, _) = scene.shape(member.part).as_mesh().unwrap();
+            mesh.at(*scene.pose(member.part))
+        });
+        let expected = (clash.kind != Kind::Clearance).then(|| query::intersection_curves(placed[0], placed[1]));
+        assert_eq!(clash.curves, expected);
+        assert_eq!(impinge::clash::curves(clash, &sides), expected);
+        curves.push(expected.map(|curves| curves.closed()));
+    }
+    // A part that lies inside another has no curve in common with it.
+    assert_eq!((curves[0], curves[4]), (Some(0), None));
+    assert!(curves[1..4].iter().all(|closed| closed.unwrap() > 0), "{curves:?}");
+    // A ball has no faces.
+    let mut scene = Scene::new();
+    for (name, x) in [("a", 0.0), ("b", 1.5)] {
+        scene.add(name, Shape::sphere([x, 0.0, 0.0], 1.0).unwrap(), Pose::IDENTITY).unwrap();
+    }
+    let mut found = find(&[side("balls", &scene)], options(), Execution::default()).unwrap();
+    found.trace_curves(&[side("balls", &scene)], Execution::default()).unwrap();
+    assert_eq!((found.clashes.len(), &found.clashes[0].curves), (1, &None));
 }
 
 #[test]
