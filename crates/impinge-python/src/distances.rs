@@ -92,6 +92,6 @@ pub(crate) fn depth(py: Python<'_>, question: Question) -> PyResult<Bound<'_, Py
 /// zero: one `bool` without leading axes, or an array. An undecided answer counts as `True`.
 #[pyfunction]
 pub(crate) fn deeper(py: Python<'_>, question: Question, threshold: f64) -> PyResult<Bound<'_, PyAny>> {
-    let replies = question.ask(py, Search::AllThreads, move |batch| batch.deeper(threshold))?;
+    let replies = question.ask(py, Search::Derived, move |batch| batch.deeper(threshold))?;
     yes_or_no(py, replies.map(Deeper::possibly))
 }

@@ -56,6 +56,9 @@ pub(crate) enum Search {
     OneThread,
     /// On all threads, with an interrupt.
     AllThreads,
+    /// As `AllThreads`, but not on the caller's thread unless the query is short. First the query
+    /// may prepare a mesh for questions about its inside, and an interrupt does not stop that.
+    Derived,
     /// To its end: an interrupt does not stop it within a row.
     Whole,
 }
@@ -181,7 +184,12 @@ impl Question {
         };
         let is_short = !self.may_take_long && rows <= max_rows && weight.saturating_mul(rows as u128) <= max_work;
         // A search that can be interrupted may start on the caller's thread, whatever its size is.
-        let is_interruptible = are_meshes && search != Search::Whole && (!self.has_solid || is_short);
+        let is_interruptible = are_meshes
+            && match search {
+                Search::OneThread | Search::AllThreads => !self.has_solid || is_short,
+                Search::Derived => is_short,
+                Search::Whole => false,
+            };
         // A search of one mesh for a shape may, too: few faces are near it, in almost all cases.
         let is_quick = search == Search::OneThread
             && !self.has_solid

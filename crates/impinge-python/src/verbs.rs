@@ -31,7 +31,7 @@ pub(crate) fn intersects(py: Python<'_>, question: Question) -> PyResult<Bound<'
 /// array. An undecided answer counts as `True`.
 #[pyfunction]
 pub(crate) fn penetrates(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
-    yes_or_no(py, question.ask(py, Search::AllThreads, |batch| batch.penetrates())?.map(Penetrates::possibly))
+    yes_or_no(py, question.ask(py, Search::Derived, |batch| batch.penetrates())?.map(Penetrates::possibly))
 }
 
 /// Converts booleans for Python: one `bool` without leading axes, or an array.

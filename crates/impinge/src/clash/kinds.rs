@@ -147,7 +147,7 @@ const SLIGHT: f64 = 1.0 / 1024.0;
 const CONTACT: Effort = Effort { cells: 1 << 8, border_edges: 1 << 17, ..Effort::FULL };
 
 /// Effort of the search for the depth of a clash.
-const DEPTH: Effort = Effort { relative_width: 1.0 / 16.0, cells: 1 << 12, border_edges: 1 << 17 };
+const DEPTH: Effort = Effort { relative_width: 1.0 / 16.0, cells: 1 << 12, border_edges: 1 << 17, ..Effort::FULL };
 
 /// Share of the tolerance that tells rounding from a contact that is nearly a clash.
 const ROUGH: f64 = 1.0 / 32.0;

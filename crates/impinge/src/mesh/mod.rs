@@ -37,7 +37,7 @@ mod storage;
 mod triangle_mesh;
 
 pub use decomposition::{ConvexPart, ConvexParts, DecompositionOptions};
-pub(crate) use derived::facets::FacetPlane;
+pub(crate) use derived::facets::{FacetPlane, Facets};
 pub(crate) use derived::topology::{Across, Components, DisjointSets};
 pub(crate) use distance::{WarmStart, nearest, within};
 pub(crate) use faces::Faces;

@@ -9,6 +9,7 @@
 
 use std::ops::ControlFlow::{self, Break, Continue};
 
+use crate::budget::Budget;
 use crate::math::vec3::{Vector, cross, dot, length, scale, sub, unit};
 use crate::mesh::Mesh;
 use crate::mesh::derived::facets::{FacetPlane, Facets};
@@ -19,31 +20,42 @@ use crate::mesh::points::face_search::FaceSearch;
 /// the corner counts as in the plane. Coordinates in single precision are this close.
 const FLATNESS: f64 = 1.0 / (1_u64 << 22) as f64;
 
+/// Number of facets, the largest first, that are compared with the whole mesh. The others do not
+/// count as supporting it.
+const MAX_COMPARED: usize = 4096;
+
+/// Number of faces that are sorted into facets between two checks of the budget.
+const FACES_PER_CHECK: usize = 1 << 10;
+
+/// Number of facets that are compared with the mesh between two checks of the budget.
+const FACETS_PER_CHECK: usize = 4;
+
 impl Mesh {
-    /// Returns the facets of the mesh. A face without area is a facet of its own.
+    /// Returns the facets of the mesh, or `None` if the budget ended the computation. A face
+    /// without area is a facet of its own.
     ///
     /// # Complexity
     /// About O(n log n) in the faces the first time, then constant.
-    pub(crate) fn facets(&self) -> &Facets {
+    pub(crate) fn facets(&self, budget: &Budget<'_>) -> Option<&Facets> {
         let slot = &self.0.derived.facets;
         // No lock is held during the computation, as in `sheets`.
         if slot.get().is_none() {
-            let _ = slot.set(self.flat_parts());
+            let _ = slot.set(self.flat_parts(budget)?);
         }
-        slot.get_or_init(|| self.flat_parts())
+        slot.get()
     }
 
     /// Reports whether an edge of a face is on the border of its facet. Edge k runs from corner k
     /// to the next.
-    pub(crate) fn is_border_of_facet(&self, face: u32, edge: usize) -> bool {
-        let of_face = &self.facets().parts.of_face;
+    pub(crate) fn is_border_of_facet(&self, facets: &Facets, face: u32, edge: usize) -> bool {
+        let of_face = &facets.parts.of_face;
         match self.across(face)[edge] {
             Across::Face(other) => of_face[other as usize] != of_face[face as usize],
             Across::Nothing | Across::Several => true,
         }
     }
 
-    fn flat_parts(&self) -> Facets {
+    fn flat_parts(&self, budget: &Budget<'_>) -> Option<Facets> {
         let count = self.faces().len();
         let areas: Vec<Vector> = (0..count as u32)
             .map(|face| {
@@ -58,7 +70,10 @@ impl Mesh {
         let mut root_of: Vec<Option<u32>> = vec![None; count];
         let mut seeds = Vec::new();
         let mut stack = Vec::new();
-        for seed in by_area {
+        for (at, seed) in by_area.into_iter().enumerate() {
+            if at % FACES_PER_CHECK == 0 && budget.is_spent() {
+                return None;
+            }
             if root_of[seed as usize].is_some() {
                 continue;
             }
@@ -87,11 +102,16 @@ impl Mesh {
         }
         let parts = Components::numbered(count, root_of.into_iter());
         let mut planes = vec![FacetPlane { face: 0, overhang: f64::INFINITY }; parts.first_faces.len()];
-        for face in seeds {
-            let overhang = self.overhang(face, tolerance);
-            planes[parts.of_face[face as usize] as usize] = FacetPlane { face, overhang };
+        for &face in &seeds {
+            planes[parts.of_face[face as usize] as usize].face = face;
         }
-        Facets { parts, planes }
+        for (at, &face) in seeds.iter().take(MAX_COMPARED).enumerate() {
+            if at % FACETS_PER_CHECK == 0 && budget.is_spent() {
+                return None;
+            }
+            planes[parts.of_face[face as usize] as usize].overhang = self.overhang(face, tolerance);
+        }
+        Some(Facets { parts, planes })
     }
 
     /// Returns how far the mesh reaches beyond the plane of a face, and infinity if that is more

@@ -8,8 +8,9 @@
 
 use super::cell::{Cell, Plane};
 use super::face::{Face, joined, stretch, world_face};
+use crate::budget::Budget;
 use crate::math::vec3::{Vector, cross, dot, length, scale, sub};
-use crate::mesh::{FacetPlane, PlacedMesh};
+use crate::mesh::{FacetPlane, Facets, PlacedMesh};
 
 /// A flat part of the surface, in the frame of the search.
 pub(super) struct Facet {
@@ -35,12 +36,11 @@ impl Facet {
     /// Returns the facet of some faces, which have consecutive numbers from `first` on in the
     /// search. A facet without area is `None`.
     pub(super) fn new(
-        placed: &PlacedMesh<'_>,
+        (placed, facets): (&PlacedMesh<'_>, &Facets),
         faces: &[(u32, Face)],
         first: u32,
         (origin, slack): (&Vector, f64),
     ) -> Option<Self> {
-        let facets = placed.mesh.facets();
         let of_mesh = &facets.planes[facets.parts.of_face[faces.first()?.0 as usize] as usize];
         let (plane, overhang) = plane_of(placed, of_mesh, (origin, slack))?;
         let mut bounds = faces.first()?.1.bounds;
@@ -48,7 +48,7 @@ impl Facet {
         for (number, face) in faces {
             bounds = joined(&bounds, &face.bounds);
             flatness = face.corners.iter().fold(flatness, |most, corner| most.max(plane.beyond(corner).abs()));
-            for edge in (0..3).filter(|&edge| placed.mesh.is_border_of_facet(*number, edge)) {
+            for edge in (0..3).filter(|&edge| placed.mesh.is_border_of_facet(facets, *number, edge)) {
                 let ends = [face.corners[edge], face.corners[(edge + 1) % 3]];
                 border.extend(face.edge_plane(edge).map(|plane| (plane, ends)));
             }
@@ -146,9 +146,13 @@ const MAX_PLANES: usize = 64;
 
 /// Returns the planes between which a convex solid lies, and which it touches up to their overhang,
 /// in the frame of the search. Returns `None` unless the mesh is closed and has few facets, and
-/// each of them supports the solid.
-pub(super) fn planes_of_convex(placed: &PlacedMesh<'_>, (origin, slack): (&Vector, f64)) -> Option<Vec<(Plane, f64)>> {
-    let planes = &placed.mesh.facets().planes;
+/// each of them supports the solid, or if the budget is spent.
+pub(super) fn planes_of_convex(
+    placed: &PlacedMesh<'_>,
+    (origin, slack): (&Vector, f64),
+    budget: &Budget<'_>,
+) -> Option<Vec<(Plane, f64)>> {
+    let planes = &placed.mesh.facets(budget)?.planes;
     if planes.len() > MAX_PLANES || !placed.mesh.is_closed() {
         return None;
     }

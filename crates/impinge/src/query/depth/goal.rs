@@ -9,6 +9,8 @@ pub(crate) struct Effort {
     pub(crate) relative_width: f64,
     /// Number of cells after which a search ends.
     pub(crate) cells: usize,
+    /// Number of faces with which cells are compared until a search ends.
+    pub(crate) faces: usize,
     /// Number of edges of borders that winding numbers near holes sum up until a search ends.
     pub(crate) border_edges: usize,
 }
@@ -16,7 +18,8 @@ pub(crate) struct Effort {
 impl Effort {
     /// The effort of a question about one pair. It bounds the work to about a tenth of a second, or
     /// a second if faces by the thousand are near each other.
-    pub(crate) const FULL: Self = Self { relative_width: 1.0 / 1024.0, cells: 1 << 14, border_edges: 1 << 21 };
+    pub(crate) const FULL: Self =
+        Self { relative_width: 1.0 / 1024.0, cells: 1 << 14, faces: 1 << 28, border_edges: 1 << 21 };
 }
 
 /// The points whose depth is searched, and how far.

@@ -256,7 +256,7 @@ impl Query<'_> {
         let Some(solids) = Solids::new(outer, inner, false) else { return false };
         solids.first_box_holds_second(tolerance)
             && solids
-                .convex_holds_second(tolerance)
+                .convex_holds_second(tolerance, self.options.budget)
                 .unwrap_or_else(|| solids.search(goal, self.options.budget).is_within(tolerance))
     }
 }

@@ -1,11 +1,13 @@
 //! One solid of the search for a depth: its faces near the search, and which points are inside.
 
-use std::ops::ControlFlow::{self, Continue};
+use std::ops::ControlFlow::{self, Break, Continue};
 
 use super::border::Border;
 use super::cell::Cell;
 use super::face::{Face, box_about, gap, world_box, world_corners};
 use super::facet::Facet;
+use super::nearest::{NOT_NEAR, Nearest};
+use crate::budget::Budget;
 use crate::exact::{Placement, PosedPoint, Spot};
 use crate::math::Pose;
 use crate::math::vec3::{Vector, add, scale, sub};
@@ -19,6 +21,16 @@ const MAX_FACES: usize = 4096;
 
 /// Number of facets up to which they are compared with the corners of another solid.
 const MAX_SUPPORTING: usize = 256;
+
+/// Number of faces up to which the nearest to a point is found by comparing all of them, and not
+/// through the tree of the mesh.
+const MAX_SCANNED: usize = 512;
+
+/// Number of faces that are collected between two checks of the budget.
+const FACES_PER_CHECK: usize = 1 << 10;
+
+/// Number of facets that are prepared between two checks of the budget.
+const FACETS_PER_CHECK: usize = 1 << 8;
 
 /// Directions to the corners and the middles of the sides of a cube, of length 1.
 const AROUND: [Vector; 14] = {
@@ -53,6 +65,9 @@ pub(super) struct Side<'m> {
     pub(super) facet_of: Vec<u32>,
     /// The flat parts that these faces make up.
     pub(super) facets: Vec<Facet>,
+    /// The index of each face of the mesh in the list of faces, or [`NOT_NEAR`]. `None` if the list
+    /// is short.
+    place_of: Option<Vec<u32>>,
     /// Boxes about the holes of an open mesh. A cell that no face and none of these boxes reaches
     /// is on one side of the solid (docs/notes/proof.md, L19a).
     holes: Vec<[Vector; 2]>,
@@ -67,30 +82,43 @@ impl<'m> Side<'m> {
     const NO_FACET: u32 = u32::MAX;
 
     /// Collects the faces of a solid within a margin of a box, which is in the frame of the search.
-    /// `slack` bounds the rounding errors of corners.
+    /// `slack` bounds the rounding errors of corners. Returns `None` if the budget is spent.
     pub(super) fn new(
         placed: PlacedMesh<'m>,
         origin: Vector,
         bounds: &[Vector; 2],
         (margin, slack): (f64, f64),
-    ) -> Self {
-        let mut near = Near { placed: &placed, origin, bounds, margin, found: Vec::new() };
+        budget: &Budget<'_>,
+    ) -> Option<Self> {
+        let of_mesh = placed.mesh.facets(budget)?;
+        let mut near = Near { placed: &placed, origin, bounds, margin, found: Vec::new(), budget };
         placed.mesh.search(&mut near);
-        let of_face = &placed.mesh.facets().parts.of_face;
+        let of_face = &of_mesh.parts.of_face;
         near.found.sort_unstable_by_key(|&(face, _)| (of_face[face as usize], face));
         let same_facet = |x: &(u32, Face), y: &(u32, Face)| of_face[x.0 as usize] == of_face[y.0 as usize];
         let (mut facets, mut facet_of) = (Vec::new(), Vec::with_capacity(near.found.len()));
         for faces in near.found.chunk_by(same_facet) {
-            let facet = Facet::new(&placed, faces, facet_of.len() as u32, (&origin, slack));
+            if facets.len() % FACETS_PER_CHECK == 0 && budget.is_spent() {
+                return None;
+            }
+            let facet = Facet::new((&placed, of_mesh), faces, facet_of.len() as u32, (&origin, slack));
             let number = if facet.is_some() { facets.len() as u32 } else { Self::NO_FACET };
             facet_of.extend(faces.iter().map(|_| number));
             facets.extend(facet);
         }
         let placement = Placement::new(&placed.world_from_mesh, &Pose::IDENTITY);
-        let faces = near.found.into_iter().map(|(_, face)| face).collect();
+        let place_of = (near.found.len() > MAX_SCANNED).then(|| {
+            let mut place_of = vec![NOT_NEAR; placed.mesh.faces().len()];
+            for (place, &(face, _)) in (0..).zip(&near.found) {
+                place_of[face as usize] = place;
+            }
+            place_of
+        });
+        let faces: Vec<Face> = near.found.into_iter().map(|(_, face)| face).collect();
         let holes = holes_near(&placed, &origin, (bounds, margin));
         let border = (!holes.is_empty()).then(|| Border::new(&placed, &origin));
-        Self { placed, placement, origin, faces, facet_of, facets, holes, border, summed: Default::default() }
+        let summed = Default::default();
+        Some(Self { placed, placement, origin, faces, facet_of, facets, place_of, holes, border, summed })
     }
 
     /// Returns the facet of a face that supports the solid.
@@ -197,8 +225,11 @@ impl<'m> Side<'m> {
     }
 
     /// Returns the squared distance of a point from the nearest of some faces, the nearest point
-    /// and the face.
+    /// and the face. No other face may be nearer.
     pub(super) fn nearest(&self, point: &Vector, faces: &[u32]) -> Option<(f64, Vector, u32)> {
+        if let Some(place_of) = self.place_of.as_ref().filter(|_| faces.len() > MAX_SCANNED) {
+            return Nearest::new((&self.placed, &self.origin), (&self.faces, place_of), point).find();
+        }
         let mut best: Option<(f64, Vector, u32)> = None;
         for &face in faces {
             let least = best.map_or(f64::INFINITY, |(least, ..)| least);
@@ -236,6 +267,7 @@ struct Near<'s, 'm> {
     bounds: &'s [Vector; 2],
     margin: f64,
     found: Vec<(u32, Face)>,
+    budget: &'s Budget<'s>,
 }
 
 impl FaceSearch for Near<'_, '_> {
@@ -251,6 +283,9 @@ impl FaceSearch for Near<'_, '_> {
         let corners = world_corners(self.placed, face, &self.origin);
         if gap(&box_about(&corners), self.bounds) <= self.margin {
             self.found.push((face, Face::new(corners, self.placed.world_from_mesh.mirrors())));
+            if self.found.len() % FACES_PER_CHECK == 0 && self.budget.is_spent() {
+                return Break(());
+            }
         }
         Continue(())
     }

@@ -56,6 +56,9 @@ impl Site<'_> {
     }
 }
 
+/// The budget ended the preparation of a search.
+struct Spent;
+
 /// The answer about solids whose boxes have no common point.
 const NOTHING: Found = Found { lower: 0.0, upper: 0.0, point: None, resolution: 0.0 };
 
@@ -65,6 +68,9 @@ const STEP: f64 = 1.0 / 32.0;
 /// Smallest threshold in units of the resolution. Cells along faces must be much thicker than
 /// rounding, or rounding adds corners to them.
 const SMALLEST: f64 = 64.0;
+
+/// Distance that is added to bounds of depths, in units of the slack.
+const MARGIN: f64 = 64.0;
 
 /// Maximum number of thresholds.
 const STEPS: i32 = 8;
@@ -94,11 +100,11 @@ impl<'m> Solids<'m> {
 
     /// Reports whether the first solid, if it is convex and has common material with the second,
     /// holds the second up to a tolerance. Returns `None` if the vertices do not tell.
-    pub(super) fn convex_holds_second(&self, tolerance: f64) -> Option<bool> {
+    pub(super) fn convex_holds_second(&self, tolerance: f64, budget: &Budget<'_>) -> Option<bool> {
         let [outer, inner] = &self.placed;
         let origin = middle(&self.boxes[1]);
         let slack = self.slack(&origin);
-        let planes = planes_of_convex(outer, (&origin, slack))?;
+        let planes = planes_of_convex(outer, (&origin, slack), budget)?;
         let (mut is_held, mut overhang) = (true, 0.0_f64);
         for (plane, beyond_plane) in &planes {
             overhang = overhang.max(*beyond_plane);
@@ -126,7 +132,8 @@ impl<'m> Solids<'m> {
         (gap(&self.boxes[0], &self.boxes[1]) <= 0.0).then_some([low, high])
     }
 
-    /// Returns the greatest distance from the surface that a point of a measured solid can have.
+    /// Returns the greatest distance from the surface that a point of a measured solid can have, up
+    /// to rounding.
     fn inradius_bound(&self, goal: &Goal) -> f64 {
         let half = |&[low, high]: &[Vector; 2]| {
             (0..3).map(|axis| 0.5 * (high[axis] - low[axis])).fold(f64::INFINITY, f64::min)
@@ -150,22 +157,33 @@ impl<'m> Solids<'m> {
     /// Searches the goal. The point of the answer is in the world frame.
     pub(super) fn search(&self, goal: Goal, budget: &Budget<'_>) -> Found {
         let range = goal.threshold.map_or(f64::INFINITY, |threshold| 2.0 * threshold);
-        self.apart_along_axis(&goal)
-            .or_else(|| Some(self.site(&goal, range)?.search(goal, None, budget)))
-            .unwrap_or(NOTHING)
+        self.apart_along_axis(&goal).unwrap_or_else(|| match self.site(&goal, range, budget) {
+            Ok(site) => site.map_or(NOTHING, |site| site.search(goal, None, budget)),
+            Err(Spent) => self.unknown(&goal),
+        })
+    }
+
+    /// Returns the answer of a search that did not begin.
+    fn unknown(&self, goal: &Goal) -> Found {
+        let slack = self.region(goal).map_or(0.0, |region| self.slack(&middle(&region)));
+        Found { upper: self.inradius_bound(goal) + MARGIN * slack, ..NOTHING }
     }
 
     /// Searches the greatest depth. A search with a threshold costs less the larger the threshold
     /// is. So thresholds fall until a point is deeper, and the last search starts from that point.
     pub(super) fn greatest(&self, goal: Goal, budget: &Budget<'_>) -> Found {
-        let Some(site) = self.site(&goal, f64::INFINITY) else { return NOTHING };
+        let site = match self.site(&goal, f64::INFINITY, budget) {
+            Ok(Some(site)) => site,
+            Ok(None) => return NOTHING,
+            Err(Spent) => return self.unknown(&goal),
+        };
         let beyond = |threshold: f64| {
             let goal = Goal { threshold: Some(threshold), ..goal };
             self.apart_along_axis(&goal).unwrap_or_else(|| site.search(goal, None, budget))
         };
         let [low, high] = site.bounds;
         let size = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-        let mut best = Found { upper: size, ..NOTHING };
+        let mut best = Found { upper: site.margin, ..NOTHING };
         for step in 1..=STEPS {
             let threshold = size * STEP.powi(step);
             let found = beyond(threshold);
@@ -185,7 +203,13 @@ impl<'m> Solids<'m> {
 
     /// Returns bounds of the volume of the points that are in both solids.
     pub(super) fn common_volume(&self, goal: &Goal, budget: &Budget<'_>) -> [f64; 2] {
-        self.site(goal, 0.0).map_or([0.0; 2], |site| site.volume(budget))
+        match self.site(goal, 0.0, budget) {
+            Ok(site) => site.map_or([0.0; 2], |site| site.volume(budget)),
+            Err(Spent) => {
+                let volume = |[low, high]: [Vector; 2]| (0..3).map(|axis| high[axis] - low[axis]).product::<f64>();
+                [0.0, self.region(goal).map_or(0.0, volume)]
+            }
+        }
     }
 
     /// Returns the answer if some way along an axis takes one box out of the other, and is no
@@ -199,14 +223,15 @@ impl<'m> Solids<'m> {
 
     /// Returns the box of a search with the faces near it, or `None` if the box is empty. A face
     /// beyond the range is farther than any depth that decides.
-    fn site(&self, goal: &Goal, range: f64) -> Option<Site<'m>> {
-        let region = self.region(goal)?;
+    fn site(&self, goal: &Goal, range: f64, budget: &Budget<'_>) -> Result<Option<Site<'m>>, Spent> {
+        let Some(region) = self.region(goal) else { return Ok(None) };
         let origin = middle(&region);
         let slack = self.slack(&origin);
-        let margin = range.min(self.inradius_bound(goal)) + 64.0 * slack;
+        let margin = range.min(self.inradius_bound(goal)) + MARGIN * slack;
         let bounds = region.map(|corner| sub(&corner, &origin));
-        let sides = self.placed.map(|placed| Side::new(placed, origin, &bounds, (margin, slack)));
-        Some(Site { bounds, origin, slack, margin, sides })
+        let side = |placed| Side::new(placed, origin, &bounds, (margin, slack), budget).ok_or(Spent);
+        let [a, b] = self.placed;
+        Ok(Some(Site { bounds, origin, slack, margin, sides: [side(a)?, side(b)?] }))
     }
 
     /// Returns a bound of the rounding errors in the search: of the coordinates, which are rounded

@@ -1,6 +1,7 @@
 //! Clash detection over scenes: reports, rules and statuses.
 
 mod cases;
+mod large;
 mod laws;
 mod models;
 mod open;

@@ -23,7 +23,7 @@ use std::collections::BinaryHeap;
 use super::cell::{Cell, Plane};
 use super::divide::{Divider, middle};
 use super::face::gap;
-use super::goal::{Found, Goal};
+use super::goal::{Effort, Found, Goal};
 use super::piece::{Local, Piece};
 use super::side::Side;
 use crate::budget::Budget;
@@ -61,6 +61,8 @@ pub(super) struct Search<'s, 'm> {
     heap: BinaryHeap<Piece>,
     /// Number of cells so far.
     count: usize,
+    /// Number of faces with which cells were compared so far.
+    compared: usize,
     /// Number of summed edges of borders at which the search ends.
     last_edge: usize,
 }
@@ -84,6 +86,7 @@ impl<'s, 'm> Search<'s, 'm> {
             settled: 0.0,
             heap: BinaryHeap::new(),
             count: 0,
+            compared: 0,
             last_edge: sides.iter().map(Side::summed).sum::<usize>() + goal.effort.border_edges,
         }
     }
@@ -111,7 +114,8 @@ impl<'s, 'm> Search<'s, 'm> {
             let is_tie = self.goal.threshold.is_some_and(|threshold| piece.upper <= threshold * (1.0 + TIE));
             ties += usize::from(is_tie);
             let edges: usize = self.sides.iter().map(Side::summed).sum();
-            let is_long = self.count > self.goal.effort.cells || edges > self.last_edge;
+            let Effort { cells, faces, .. } = self.goal.effort;
+            let is_long = self.count > cells || self.compared > faces || edges > self.last_edge;
             if ties > MAX_TIES || is_long || budget.is_spent() {
                 self.settled = self.settled.max(piece.upper);
                 break;
@@ -171,6 +175,7 @@ impl<'s, 'm> Search<'s, 'm> {
     /// Adds a cell, unless it is done. `parent` has the lists of a cell that holds it.
     fn push(&mut self, cell: Cell, parent: &[Local; 2], upper: f64) {
         self.count += 1;
+        self.compared += parent.iter().map(|local| local.near.len() + local.touching.len()).sum::<usize>();
         let bounds = cell.bounds_grown(self.slack);
         let mut local = [0, 1].map(|side| {
             let faces = &self.sides[side].faces;
@@ -249,9 +254,11 @@ impl<'s, 'm> Search<'s, 'm> {
         let mut best = f64::INFINITY;
         let facets = || parent.facets.iter().map(|&facet| &own.facets[facet as usize]);
         if self.is_bounded(side) {
-            best = facets().map(|facet| facet.longest_way_out(cell)).fold(best, f64::min);
+            let supporting = facets().filter(|facet| facet.supports());
+            best = supporting.map(|facet| facet.longest_way_out(cell)).fold(best, f64::min);
         }
-        for facet in facets() {
+        let center = cell.center();
+        for facet in facets().filter(|facet| facet.may_be_below(&center, self.slack)) {
             let height = facet.height(cell);
             if height < best && own.is_over(facet, cell, self.slack) {
                 best = height;
@@ -264,7 +271,6 @@ impl<'s, 'm> Search<'s, 'm> {
         if best + 2.0 * self.slack <= target {
             return best + 2.0 * self.slack;
         }
-        let center = cell.center();
         if let Some((squared, _, face)) = own.nearest(&center, &parent.near) {
             let radius = cell.corners().map(|corner| squared_distance(&center, corner)).fold(0.0, f64::max).sqrt();
             let face = &own.faces[face as usize];
