@@ -4,6 +4,7 @@ import pickle
 import random
 
 import numpy as np
+from impinge.cluster import _calls, _parcels, _scenes, _session
 
 
 class Engine:
@@ -59,3 +60,12 @@ class Remote:
         contents = [np.frombuffer(parcel, np.uint8) for parcel in parcels]
         pickled = pickle.dumps((version, function, places, arguments))
         return lambda: self.function(*pickle.loads(pickled), *contents)
+
+
+def cluster_of_tasks(monkeypatch, shared=None):
+    """Returns a cluster without Ray, whose calls are cut into as many tasks as possible."""
+    monkeypatch.setattr(_calls, "_LEAST_WORK", 1)
+    monkeypatch.setattr(_calls, "_MOST_TASKS", 7)
+    monkeypatch.setattr(_scenes, "_LEAST_COST", 1 << 11)
+    monkeypatch.setattr(_parcels, "_PARCEL_BYTES", 1 << 16)
+    return _session.Cluster(Engine(), None, shared)

@@ -9,7 +9,7 @@ def same(a, b):
     """Reports whether two answers have the same types, shapes and bytes."""
     if isinstance(a, np.ndarray):
         return isinstance(b, np.ndarray) and (a.dtype, a.shape, a.tobytes()) == (b.dtype, b.shape, b.tobytes())
-    if isinstance(a, tuple):
+    if isinstance(a, tuple | list):
         return type(a) is type(b) and len(a) == len(b) and all(map(same, a, b))
     if hasattr(a, "__dict__"):
         return type(a) is type(b) and same(tuple(vars(a).items()), tuple(vars(b).items()))

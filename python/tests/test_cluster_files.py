@@ -8,8 +8,8 @@ import impinge
 import numpy as np
 import pytest
 from impinge._stored import Stored
-from impinge.cluster import _calls, _command, _parcels, _scenes, _session, _worker
-from in_process_engine import Engine
+from impinge.cluster import _command, _session, _worker
+from in_process_engine import Engine, cluster_of_tasks
 from same_answers import same, same_reports
 from shapes import cube, random_poses, torus
 from test_scene_files import write
@@ -17,13 +17,9 @@ from test_scene_files import write
 
 @pytest.fixture
 def cluster(monkeypatch, tmp_path):
-    """Returns a cluster with a shared folder, whose calls are cut into many tasks."""
-    monkeypatch.setattr(_calls, "_LEAST_WORK", 1)
-    monkeypatch.setattr(_calls, "_MOST_TASKS", 7)
-    monkeypatch.setattr(_scenes, "_LEAST_COST", 1 << 11)
-    monkeypatch.setattr(_parcels, "_PARCEL_BYTES", 1 << 16)
+    """Returns a cluster with a shared folder, whose workers have no parts yet."""
     monkeypatch.setattr(_worker, "_parts", _worker._Parts())
-    return _session.Cluster(Engine(), None, str(tmp_path))
+    return cluster_of_tasks(monkeypatch, str(tmp_path))
 
 
 def stored(path, mesh):

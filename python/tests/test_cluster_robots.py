@@ -6,8 +6,8 @@ from pathlib import Path
 import impinge
 import numpy as np
 import pytest
-from impinge.cluster import _calls, _robots, _session, _worker
-from in_process_engine import Engine
+from impinge.cluster import _robots, _worker
+from in_process_engine import cluster_of_tasks
 from same_answers import error_of
 from shapes import cube
 
@@ -30,10 +30,7 @@ ROBOTS = {
 
 @pytest.fixture
 def cluster(monkeypatch):
-    """Returns a cluster whose calls are cut into as many tasks as possible."""
-    monkeypatch.setattr(_calls, "_LEAST_WORK", 1)
-    monkeypatch.setattr(_calls, "_MOST_TASKS", 7)
-    return _session.Cluster(Engine(), None)
+    return cluster_of_tasks(monkeypatch)
 
 
 def grid(robot, count, seed):
