@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any, Literal, Unpack, overload
+from typing import TYPE_CHECKING, Any, Literal, Unpack, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from impinge import _impinge
+from impinge._engine import engine
 from impinge._notebook import table
 from impinge._ragged import Ragged
 from impinge._rows import Pose, RaiseOptions, Solid, Statuses, StatusOptions, with_status
 from impinge._scalars import real, whole
 from impinge._shape import AnyShape
+
+if TYPE_CHECKING:
+    from impinge.cluster import Cluster
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -168,6 +171,7 @@ def contacts(
     most_points: int = 4,
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
+    on: Cluster | None = None,
 ) -> Any:
     """Compute the contacts of two meshes or shapes that touch, overlap, or are within a margin.
 
@@ -175,7 +179,7 @@ def contacts(
 
     Parameters
     ----------
-    a, b, pose_a, pose_b, solid, on_error, progress
+    a, b, pose_a, pose_b, solid, on_error, progress, on
         As for `intersects`. A row with an invalid pose has no contacts; check its status.
     margin : float
         Maximum distance, in world units, at which points still count as contacts; at least zero.
@@ -213,4 +217,4 @@ def contacts(
         return rows if rows.shape else rows.all
 
     question = (a, b, pose_a, pose_b, solid, on_error, progress)
-    return with_status(_impinge.contacts_of(question, margin, most_points), on_error, convert)
+    return with_status(engine(on).contacts_of(question, margin, most_points), on_error, convert)

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, Unpack, overload
+from typing import TYPE_CHECKING, Any, Literal, Unpack, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from impinge import _impinge
+from impinge._engine import engine
 from impinge._points import scalar
 from impinge._rows import Booleans, Pose, RaiseOptions, Statuses, StatusOptions, with_status
 from impinge._scalars import real
 from impinge._shape import AnyShape
+
+if TYPE_CHECKING:
+    from impinge.cluster import Cluster
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +53,7 @@ def depth(
     *,
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
+    on: Cluster | None = None,
 ) -> Any:
     """Compute how much material two meshes or shapes share.
 
@@ -68,6 +72,8 @@ def depth(
     on_error : {"raise", "status"}
         As for `intersects`. For an invalid pose the bounds are zero and infinity.
     progress : bool
+        As for `intersects`.
+    on : impinge.cluster.Cluster, optional
         As for `intersects`.
 
     Returns
@@ -91,7 +97,7 @@ def depth(
     >>> found.upper.round(9), bool(0.499 < found.lower[0] <= 0.5)
     (array([0.5, 0. ]), True)
     """
-    return with_status(_impinge.depth((a, b, pose_a, pose_b, False, on_error, progress)), on_error, _depth_of)
+    return with_status(engine(on).depth((a, b, pose_a, pose_b, False, on_error, progress)), on_error, _depth_of)
 
 
 def _depth_of(columns: Any) -> Depth:
@@ -129,6 +135,7 @@ def deeper(
     *,
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
+    on: Cluster | None = None,
 ) -> Any:
     """Report whether two meshes or shapes share material deeper than a threshold.
 
@@ -146,6 +153,8 @@ def deeper(
     on_error : {"raise", "status"}
         As for `intersects`: a row with an invalid pose gets True, the safe answer.
     progress : bool
+        As for `intersects`.
+    on : impinge.cluster.Cluster, optional
         As for `intersects`.
 
     Returns
@@ -169,4 +178,4 @@ def deeper(
     [True, False]
     """
     limit = real(threshold, "threshold", minimum=0)
-    return _impinge.deeper((a, b, pose_a, pose_b, False, on_error, progress), limit)
+    return engine(on).deeper((a, b, pose_a, pose_b, False, on_error, progress), limit)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from impinge._engine import engine
 from impinge._points import scalar
-from impinge._rows import Booleans, ClusterOptions, ClusterStatusOptions, Pose, Solid, Statuses, with_status
+from impinge._rows import Booleans, Pose, RaiseOptions, Solid, Statuses, StatusOptions, with_status
 from impinge._scalars import real
 from impinge._shape import AnyShape
 
@@ -57,7 +57,7 @@ def distance(
     pose_b: Pose = None,
     *,
     solid: Solid = False,
-    **rows: Unpack[ClusterOptions],
+    **rows: Unpack[RaiseOptions],
 ) -> Distance: ...
 @overload
 def distance(
@@ -67,7 +67,7 @@ def distance(
     pose_b: Pose = None,
     *,
     solid: Solid = False,
-    **rows: Unpack[ClusterStatusOptions],
+    **rows: Unpack[StatusOptions],
 ) -> tuple[Distance, Statuses]: ...
 def distance(
     a: AnyShape,
@@ -147,7 +147,7 @@ def within(
     pose_b: Pose = None,
     *,
     solid: Solid = False,
-    **rows: Unpack[ClusterOptions],
+    **rows: Unpack[RaiseOptions],
 ) -> Booleans: ...
 @overload
 def within(
@@ -158,7 +158,7 @@ def within(
     pose_b: Pose = None,
     *,
     solid: Solid = False,
-    **rows: Unpack[ClusterStatusOptions],
+    **rows: Unpack[StatusOptions],
 ) -> tuple[Booleans, Statuses]: ...
 def within(
     a: AnyShape,

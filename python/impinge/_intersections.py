@@ -15,17 +15,7 @@ from impinge import _impinge
 from impinge._engine import engine
 from impinge._mesh import Mesh
 from impinge._pairs import Pairs
-from impinge._rows import (
-    Booleans,
-    ClusterOptions,
-    ClusterStatusOptions,
-    Pose,
-    RaiseOptions,
-    Solid,
-    Statuses,
-    StatusOptions,
-    with_status,
-)
+from impinge._rows import Booleans, Pose, RaiseOptions, Solid, Statuses, StatusOptions, with_status
 from impinge._scalars import whole
 from impinge._shape import AnyShape
 
@@ -43,7 +33,7 @@ def intersects(
     pose_b: Pose = None,
     *,
     solid: Solid = False,
-    **rows: Unpack[ClusterOptions],
+    **rows: Unpack[RaiseOptions],
 ) -> Booleans: ...
 @overload
 def intersects(
@@ -53,7 +43,7 @@ def intersects(
     pose_b: Pose = None,
     *,
     solid: Solid = False,
-    **rows: Unpack[ClusterStatusOptions],
+    **rows: Unpack[StatusOptions],
 ) -> tuple[Booleans, Statuses]: ...
 def intersects(
     a: AnyShape,
@@ -139,11 +129,11 @@ def intersects(
 def penetrates(a: AnyShape, b: AnyShape) -> bool: ...
 @overload
 def penetrates(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[ClusterOptions]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[RaiseOptions]
 ) -> Booleans: ...
 @overload
 def penetrates(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[ClusterStatusOptions]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[StatusOptions]
 ) -> tuple[Booleans, Statuses]: ...
 def penetrates(
     a: AnyShape,
@@ -215,11 +205,11 @@ class LimitedPairs(NamedTuple):
 def intersecting_pairs(a: Mesh, b: Mesh, *, limit: None = None) -> NDArray[np.uint32]: ...
 @overload
 def intersecting_pairs(
-    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: None = None, **rows: Unpack[ClusterOptions]
+    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: None = None, **rows: Unpack[RaiseOptions]
 ) -> NDArray[np.uint32] | Pairs: ...
 @overload
 def intersecting_pairs(
-    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: int, **rows: Unpack[ClusterOptions]
+    a: Mesh, b: Mesh, pose_a: Pose = None, pose_b: Pose = None, *, limit: int, **rows: Unpack[RaiseOptions]
 ) -> LimitedPairs: ...
 @overload
 def intersecting_pairs(
@@ -229,7 +219,7 @@ def intersecting_pairs(
     pose_b: Pose = None,
     *,
     limit: int | None = None,
-    **rows: Unpack[ClusterStatusOptions],
+    **rows: Unpack[StatusOptions],
 ) -> tuple[NDArray[np.uint32] | Pairs | LimitedPairs, Statuses]: ...
 def intersecting_pairs(
     a: Mesh,
@@ -323,6 +313,7 @@ def intersection_curves(
     *,
     on_error: Literal["raise", "status"] = "raise",
     progress: bool = False,
+    on: Cluster | None = None,
 ) -> Any:
     """Return the curves in which two surfaces intersect.
 
@@ -337,6 +328,8 @@ def intersection_curves(
         the `Status` of each row. Check the status: for an invalid pose, an empty result does not
         mean that the meshes are apart.
     progress : bool
+        As for `intersects`.
+    on : impinge.cluster.Cluster, optional
         As for `intersects`.
 
     Returns
@@ -363,7 +356,7 @@ def intersection_curves(
     >>> curve[:, 0]
     array([-0.5,  0.5])
     """
-    return _impinge.intersection_curves((a, b, pose_a, pose_b, False, on_error, progress))
+    return engine(on).intersection_curves((a, b, pose_a, pose_b, False, on_error, progress))
 
 
 def self_intersecting_pairs(mesh: Mesh) -> NDArray[np.uint32]:

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from impinge import _arrays, _impinge
+from impinge._engine import engine
 from impinge._errors import InputError
 from impinge._points import scalar
 from impinge._rows import Solid
 from impinge._scalars import flag, real
 from impinge._shape import AnyShape
+
+if TYPE_CHECKING:
+    from impinge.cluster import Cluster
 
 
 @final
@@ -136,11 +141,16 @@ class Motion(_impinge.MotionBase):
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle the constructor arguments."""
-        return (Motion if len(self._made_of) == _POSES else Motion.screw), self._made_of
+        return constructor(self._made_of), self._made_of
 
 
 _POSES = 2
 """Number of constructor arguments of a motion between two poses."""
+
+
+def constructor(made_of: Sequence[Any]) -> Callable[..., Motion]:
+    """Return the constructor of a motion with some arguments."""
+    return Motion if len(made_of) == _POSES else Motion.screw
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,6 +200,7 @@ def time_of_impact(
     clearance: float = 0.0,
     ignore_touch: bool = False,
     progress: bool = False,
+    on: Cluster | None = None,
 ) -> Impact:
     """Compute the time at which two meshes or shapes in rigid motion first touch.
 
@@ -213,6 +224,8 @@ def time_of_impact(
         each other. If a solid mesh touches a shape at the start, that counts as contact.
     progress : bool
         As for `intersects`.
+    on : impinge.cluster.Cluster, optional
+        As for `intersects`; the rows of motions are divided.
 
     Returns
     -------
@@ -250,7 +263,7 @@ def time_of_impact(
     """
     least = real(clearance, "clearance", minimum=0)
     moving = (a, b, motion_a, motion_b, solid, progress)
-    found = _impinge.time_of_impact(moving, least, flag(ignore_touch, "ignore_touch"))
+    found = engine(on).time_of_impact(moving, least, flag(ignore_touch, "ignore_touch"))
     lower, upper, point, normal, parts, faces = found
     return Impact(scalar(lower < np.inf), scalar(lower), scalar(upper), point, normal, parts, faces)
 

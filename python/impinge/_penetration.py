@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from impinge._engine import engine
 from impinge._points import scalar
-from impinge._rows import ClusterOptions, ClusterStatusOptions, Pose, Statuses, with_status
+from impinge._rows import Pose, RaiseOptions, Statuses, StatusOptions, with_status
 from impinge._shape import AnyShape
 
 if TYPE_CHECKING:
@@ -49,11 +49,11 @@ class Penetration:
 
 @overload
 def penetration(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[ClusterOptions]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[RaiseOptions]
 ) -> Penetration: ...
 @overload
 def penetration(
-    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[ClusterStatusOptions]
+    a: AnyShape, b: AnyShape, pose_a: Pose = None, pose_b: Pose = None, **rows: Unpack[StatusOptions]
 ) -> tuple[Penetration, Statuses]: ...
 def penetration(
     a: AnyShape,

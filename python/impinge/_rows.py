@@ -25,11 +25,6 @@ class RaiseOptions(TypedDict, total=False):
 
     on_error: Literal["raise"]
     progress: bool
-
-
-class ClusterOptions(RaiseOptions, total=False):
-    """Options of a call that raises an error, and may run on a cluster."""
-
     on: Cluster | None
 
 
@@ -38,11 +33,6 @@ class StatusOptions(TypedDict):
 
     on_error: Literal["status"]
     progress: NotRequired[bool]
-
-
-class ClusterStatusOptions(StatusOptions):
-    """Options of a call that returns a status, and may run on a cluster."""
-
     on: NotRequired[Cluster | None]
 
 

@@ -75,6 +75,10 @@ def test_inferred_types_are_precise(tmp_path):
         "pairs = impinge.intersecting_pairs(mesh, mesh, np.eye(4)[None])\n"
         "assert isinstance(pairs, impinge.Pairs) and pairs.counts.sum() == 0\n"
         "answer, status = impinge.intersects(mesh, mesh, on_error='status')\n"
+        "def shared(on: impinge.cluster.Cluster) -> impinge.Impact:\n"
+        "    assert_type(impinge.contacts(box, box, on=on), impinge.Contacts)\n"
+        "    assert_type(impinge.depth(box, box, np.eye(4), on=on), impinge.Depth)\n"
+        "    return impinge.time_of_impact(box, mesh, on=on)\n"
         "print(impinge.Status(int(status[0])).name, impinge.load('a.obj').origin)\n"
     )
     config = tmp_path / "mypy.ini"

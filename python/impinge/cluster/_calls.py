@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,16 @@ object store, because two tasks for each processor are with Ray."""
 _BYTES_OF_POSE = 128
 """Size of a pose in bytes."""
 
-_WORK_OF_ROW = {"distance": 8, "intersecting_pairs": 8, "penetrates": 8, "penetration": 512}
+_WORK_OF_ROW = {
+    "contacts_of": 128,
+    "deeper": 256,
+    "depth": 1024,
+    "distance": 8,
+    "intersecting_pairs": 8,
+    "intersection_curves": 16,
+    "penetrates": 8,
+    "penetration": 512,
+}
 """Estimated work of a row of a function in rows of `intersects`, if it is more."""
 
 
@@ -115,48 +125,63 @@ def run_of(count: int, work: int, size: int) -> tuple[int, int]:
 
 
 class Rows:
-    """Rows of poses of several things, cut into runs.
+    """Rows of arrays, such as the poses of several things, cut into runs.
 
     Parameters
     ----------
     axes : sequence of int
         Leading axes of the answer.
-    poses : mapping of str to array_like or None
-        Poses of each thing by the name of the argument.
+    arrays : sequence of array or None
+        Arrays whose leading axes broadcast to those of the answer. An item of an array is a pose,
+        (4, 4), or a vector, (3,).
     work : int
         Estimated work of a row, in rows of `intersects`.
     """
 
-    def __init__(self, axes: Sequence[int], poses: Mapping[str, Any], work: int) -> None:
-        self.axes = tuple(axes)
-        self.poses = [None if p is None else _arrays.plain_poses(p, name) for name, p in poses.items()]
+    def __init__(self, axes: Sequence[int], arrays: Sequence[NDArray[np.float64] | None], work: int) -> None:
+        self.axes, self.arrays = tuple(axes), list(arrays)
         self._count = int(np.prod(self.axes, dtype=np.int64))
-        sent = sum(poses is not None and poses.size > 16 for poses in self.poses)
-        self._run, self.runs = run_of(self._count, work, _BYTES_OF_POSE * max(sent, 1))
+        sizes = [8 * prod(_item_of(array)) for array in arrays if array is not None and _leading(array) != 1]
+        self._run, self.runs = run_of(self._count, work, max(sum(sizes), _BYTES_OF_POSE))
 
     def of(self, run: int) -> list[NDArray[np.float64] | None]:
-        """Return the poses of each thing in one run.
+        """Return the items of each array in one run.
 
-        A thing whose poses have no leading axes keeps its pose, without axes if the answer has
-        none.
+        An array with one item keeps it, without axes if the answer has none.
         """
         start = run * self._run
         rows = slice(start, min(start + self._run, self._count))
-        return [None if poses is None else self._of(poses, rows) for poses in self.poses]
+        return [None if array is None else self._of(array, rows) for array in self.arrays]
 
-    def _of(self, poses: NDArray[np.float64], run: slice) -> NDArray[np.float64]:
-        own = poses.shape[:-2]
+    def _of(self, array: NDArray[np.float64], run: slice) -> NDArray[np.float64]:
+        item = _item_of(array)
+        own = array.shape[: array.ndim - len(item)]
         if not self.axes:
-            return poses
-        if poses.size == 16:
-            return poses.reshape(1, 4, 4)
+            return array
+        if _leading(array) == 1:
+            return array.reshape(1, *item)
         if own == self.axes:
-            return poses.reshape(-1, 4, 4)[run]  # a view, which is sent without another copy
+            return array.reshape(-1, *item)[run]  # a view, which is sent without another copy
         rows = np.arange(run.start, run.stop)
         places = np.unravel_index(rows, self.axes)[len(self.axes) - len(own) :]
         index = tuple(np.zeros_like(at) if length == 1 else at for at, length in zip(places, own, strict=True))
-        picked: NDArray[np.float64] = poses[index]
+        picked: NDArray[np.float64] = array[index]
         return picked
+
+
+def _item_of(array: NDArray[np.float64]) -> tuple[int, ...]:
+    """Return the shape of an item: (4, 4) for poses, (3,) for vectors."""
+    return array.shape[-1:] if array.shape[-1] == 3 else array.shape[-2:]
+
+
+def _leading(array: NDArray[np.float64]) -> int:
+    """Return the number of items of an array."""
+    return prod(array.shape[: array.ndim - len(_item_of(array))])
+
+
+def poses_of(poses: Mapping[str, Any]) -> list[NDArray[np.float64] | None]:
+    """Return the poses of each thing as an array, by the names of their arguments."""
+    return [None if each is None else _arrays.plain_poses(each, name) for name, each in poses.items()]
 
 
 class VerbCall(Call):
@@ -166,11 +191,12 @@ class VerbCall(Call):
 
     def __init__(self, verb: str, asked: tuple[Any, ...], rest: tuple[Any, ...], axes: Sequence[int]) -> None:
         a, b, pose_a, pose_b, self._solid, self._on_error, _ = asked
-        self.what, self._rest = verb, rest
+        self._verb, self._rest = verb, rest
+        self.what = verb.removesuffix("_of")
         self.parts = snapshots([a, b])
         self.names = ("a", "b")
         self.parcels = Parcels(self.parts, range(2))
-        self._rows = Rows(axes, {"pose_a": pose_a, "pose_b": pose_b}, _WORK_OF_ROW.get(verb, 1))
+        self._rows = Rows(axes, poses_of({"pose_a": pose_a, "pose_b": pose_b}), _WORK_OF_ROW.get(verb, 1))
         self.count = self._rows.runs
 
     def parts_of(self, task: int) -> Sequence[int]:
@@ -179,11 +205,11 @@ class VerbCall(Call):
 
     def arguments_of(self, task: int) -> tuple[Any, ...]:
         """Return the verb, the poses of the rows and the options."""
-        return self.what, tuple(self._rows.of(task)), (self._solid, self._on_error), self._rest
+        return self._verb, tuple(self._rows.of(task)), (self._solid, self._on_error), self._rest
 
     def _input(self) -> tuple[Any, ...]:
         which = self.parts_of(0)
-        return self.what, which, self._rest, self._solid, self._on_error, self._rows.axes, *self._rows.poses
+        return self._verb, which, self._rest, self._solid, self._on_error, self._rows.axes, *self._rows.arrays
 
     def merged(self, answers: Mapping[int, Any]) -> Any:
         """Return the answers of all rows."""
@@ -197,17 +223,17 @@ class VerbCall(Call):
 
     def _merged(self, answers: list[Any]) -> Any:
         axes = self._rows.axes
-
-        def column(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
-            joined = np.concatenate(parts)
-            return joined.reshape(axes + joined.shape[1:])
-
-        if self.what == "intersecting_pairs":
+        if self._verb == "intersecting_pairs":
             offsets, rows, _, truncated = zip(*answers, strict=True)
-            return ragged(offsets), np.concatenate(rows), list(axes), column(truncated)
+            return ragged(offsets), np.concatenate(rows), list(axes), column(truncated, axes)
+        if self._verb == "contacts_of":
+            places, *columns = joined([(offsets, *columns) for _, (offsets, columns) in answers])
+            return list(axes), (places, tuple(columns))
+        if self._verb == "intersection_curves":
+            return nested([row for rows in answers for row in rows], axes)
         if isinstance(answers[0], tuple):
-            return tuple(column(parts) for parts in zip(*answers, strict=True))
-        return column(answers)
+            return tuple(column(parts, axes) for parts in zip(*answers, strict=True))
+        return column(answers, axes)
 
 
 class ShareCall(Call):
@@ -241,6 +267,20 @@ class ShareCall(Call):
         return in_order([answers[task] for task in range(self.count)]), False
 
 
+def column(parts: Sequence[NDArray[Any]], axes: tuple[int, ...]) -> NDArray[Any]:
+    """Return the rows of several arrays as one array with some leading axes."""
+    rows = np.concatenate(parts)
+    return rows.reshape(axes + rows.shape[1:])
+
+
+def nested(rows: list[Any], axes: tuple[int, ...]) -> list[Any]:
+    """Return rows as nested lists, with one level for each axis."""
+    for axis in range(len(axes) - 1, 0, -1):
+        length = axes[axis]
+        rows = [rows[at * length : (at + 1) * length] for at in range(prod(axes[:axis]))]
+    return rows
+
+
 def in_order(pairs: Sequence[NDArray[np.uint32]]) -> NDArray[np.uint32]:
     """Return the pairs of several lists, sorted."""
     joined = np.concatenate([np.zeros((0, 2), np.uint32), *pairs])
@@ -251,3 +291,9 @@ def ragged(offsets: Sequence[NDArray[np.int64]]) -> NDArray[np.int64]:
     """Return the offsets of concatenated lists of entries from those of each list."""
     counts = np.concatenate([np.diff(each) for each in offsets])
     return np.concatenate([np.zeros(1, np.int64), np.cumsum(counts, dtype=np.int64)])
+
+
+def joined(lists: Sequence[tuple[NDArray[Any], ...]]) -> tuple[NDArray[Any], ...]:
+    """Return lists of entries of all rows: their offsets, and the columns of the entries."""
+    offsets, *columns = zip(*lists, strict=True)
+    return ragged(offsets), *(np.concatenate(parts) for parts in columns)

@@ -14,6 +14,7 @@ from impinge.cluster._calls import Call, ShareCall, VerbCall
 from impinge.cluster._clashes import ClashPairs, ClashQuestion
 from impinge.cluster._robots import RobotRows
 from impinge.cluster._scenes import Part, ScenePairs, SceneRows
+from impinge.cluster._sweeps import Sweeps, leading_axes
 
 if TYPE_CHECKING:
     from impinge._robot import Robot
@@ -52,6 +53,27 @@ class Functions:
     def penetration(self, asked: tuple[Any, ...]) -> Any:
         """Return the penetration of two things for each row."""
         return self._rows("penetration", asked)
+
+    def depth(self, asked: tuple[Any, ...]) -> Any:
+        """Return the depth of the material that two things share, for each row."""
+        return self._rows("depth", asked)
+
+    def deeper(self, asked: tuple[Any, ...], threshold: float) -> Any:
+        """Report whether two things share material deeper than a threshold, for each row."""
+        return self._rows("deeper", asked, threshold)
+
+    def contacts_of(self, asked: tuple[Any, ...], margin: float, most_points: int) -> Any:
+        """Return the contacts of two things for each row."""
+        return self._rows("contacts_of", asked, margin, most_points)
+
+    def intersection_curves(self, asked: tuple[Any, ...]) -> Any:
+        """Return the curves in which two meshes intersect, for each row."""
+        return self._rows("intersection_curves", asked)
+
+    def time_of_impact(self, moving: tuple[Any, ...], clearance: float, ignore_touch: bool) -> Any:
+        """Return the times at which two things touch first, for each row of motions."""
+        axes = leading_axes(moving)
+        return self._answer(Sweeps(moving, (clearance, ignore_touch), axes), moving[-1])
 
     def intersecting_pairs(self, asked: tuple[Any, ...], limit: int | None) -> Any:
         """Return the pairs of faces of two meshes that intersect, for each row.

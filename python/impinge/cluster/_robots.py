@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from impinge import _arrays
-from impinge.cluster._calls import Call, ragged, run_of, snapshots
+from impinge.cluster._calls import Call, joined, run_of, snapshots
 from impinge.cluster._parcels import Parcels
 from impinge.cluster._robot_contents import contents_of
 from impinge.cluster._scenes import Part, distinct
@@ -85,9 +85,3 @@ class RobotRows(Call):
             return tuple(np.concatenate(column) for column in zip(*some, strict=True))
         verdicts, certificates = zip(*some, strict=True)
         return tuple(np.concatenate(column) for column in zip(*verdicts, strict=True)), joined(certificates)
-
-
-def joined(lists: Sequence[tuple[NDArray[Any], ...]]) -> tuple[NDArray[Any], ...]:
-    """Return lists of entries of all rows: their offsets, and the columns of the entries."""
-    offsets, *columns = zip(*lists, strict=True)
-    return ragged(offsets), *(np.concatenate(column) for column in columns)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from impinge import _arrays
 from impinge._errors import Status
 from impinge._mesh import Mesh
-from impinge.cluster._calls import Call, Rows, in_order, ragged, snapshots
+from impinge.cluster._calls import Call, Rows, in_order, poses_of, ragged, snapshots
 from impinge.cluster._parcels import Parcels
 from impinge.cluster._worker import Placed
 
@@ -59,9 +59,8 @@ class SceneRows(Call):
         self._solid = any(solid for _, _, solid, _ in parts)
         self._ignored, self._options = np.array(ignored, np.uint32).reshape(-1, 2), options
         self.parcels = Parcels(self.parts, self._distinct)
-        named = ((f"poses[{name!r}]", poses) for name, _, _, poses in parts)
-        placed = {name: None if poses is None else _arrays.plain_poses(poses, name) for name, poses in named}
-        moving = sum(poses is not None and poses.ndim > 2 for poses in placed.values())
+        placed = poses_of({f"poses[{name!r}]": poses for name, _, _, poses in parts})
+        moving = sum(poses is not None and poses.ndim > 2 for poses in placed)
         self._rows = Rows(axes, placed, _WORK_OF_MOVING * max(moving, 1))
         self.count = self._rows.runs
 
@@ -79,7 +78,7 @@ class SceneRows(Call):
         return Placed(self._which, poses, self._solid, stacked), self._ignored, self._options
 
     def _input(self) -> tuple[Any, ...]:
-        return self._which, self._solid, self._ignored, self._options, self._rows.axes, *self._rows.poses
+        return self._which, self._solid, self._ignored, self._options, self._rows.axes, *self._rows.arrays
 
     def merged(self, answers: Mapping[int, Any]) -> Any:
         """Return the pairs that were found in all configurations."""

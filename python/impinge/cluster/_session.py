@@ -255,10 +255,11 @@ def ray(
     Returns
     -------
     Cluster
-        For the argument `on` of `Scene.check`, `intersects`, `penetrates`, `within`, `distance`,
-        `penetration` and `intersecting_pairs`. Answers are those of this machine alone, byte for
-        byte, whatever number of nodes there are and whichever end meanwhile. Parts are those at the
-        start of a call; Ctrl-C interrupts it. Each node must have the same version of impinge.
+        The argument `on` of calls within the block: of every function of two things at many poses
+        or in many motions, `Scene.check`, `clash`, and the checks of a `Robot`. Answers have the
+        bytes of a call without `on`, for any number of nodes, also if some of them end during the
+        call. A call uses the parts as they are when it starts. Ctrl-C interrupts it. Each node must
+        have the same version of impinge.
 
     Raises
     ------

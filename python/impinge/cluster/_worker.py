@@ -20,6 +20,7 @@ from impinge import _impinge
 from impinge._baked import opened
 from impinge._errors import InputError
 from impinge._mesh import Mesh
+from impinge._motion import constructor
 from impinge._shape import AnyShape
 from impinge._stored import Stored
 from impinge._threads import threads
@@ -123,6 +124,15 @@ def rows(
     """Return the answers of a query of two things for some rows."""
     solid, on_error = options
     return getattr(_impinge, verb)((parts[0], parts[-1], *poses, solid, on_error, False), *rest)
+
+
+def sweeps(parts: list[AnyShape], made_of: tuple[Any, Any], solid: Any, rest: tuple[Any, ...]) -> Any:
+    """Return the times of impact of two things in some motions.
+
+    `made_of` has the arguments from which the motions are made. It is empty for a body at rest.
+    """
+    motions = [constructor(arguments)(*arguments) if arguments else None for arguments in made_of]
+    return _impinge.time_of_impact((parts[0], parts[-1], *motions, solid, False), *rest)
 
 
 def share(parts: list[AnyShape], poses: tuple[Any, Any], number: int, count: int) -> Any:
@@ -235,6 +245,7 @@ _FUNCTIONS: dict[str, Any] = {
     "robot_motions": robot_motions,
     "rows": rows,
     "share": share,
+    "sweeps": sweeps,
     "scene_rows": scene_rows,
     "scene_pairs": scene_pairs,
     "clash_pairs": clash_pairs,
