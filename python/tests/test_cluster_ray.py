@@ -13,7 +13,7 @@ from pathlib import Path
 import impinge
 import numpy as np
 import pytest
-from impinge.cluster import _calls, _parcels, _scenes, _session
+from impinge.cluster import _calls, _command, _parcels, _scenes, _session
 from impinge.cluster._checkpoint import Checkpoint
 from same_answers import same, same_reports
 from shapes import cube, random_poses, torus
@@ -25,16 +25,31 @@ pytestmark = pytest.mark.filterwarnings("ignore")  # those of Ray and of the pac
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 NODE = {"num_cpus": 1, "object_store_memory": 300_000_000}
+HEALTH = {
+    "health_check_initial_delay_ms": 500,
+    "health_check_period_ms": 500,
+    "health_check_failure_threshold": 3,
+}
+"""Lets Ray notice in two seconds that a node was killed. With its own settings it takes 15."""
 
 
 @pytest.fixture(scope="module")
 def nodes():
     """Three nodes on this machine."""
-    cluster = cluster_utils.Cluster(initialize_head=True, head_node_args={**NODE, "include_dashboard": False})
+    head = {**NODE, "include_dashboard": False, "_system_config": HEALTH}
+    cluster = cluster_utils.Cluster(initialize_head=True, head_node_args=head)
     for _ in range(2):
         cluster.add_node(**NODE)
     yield cluster
     cluster.shutdown()
+
+
+@pytest.fixture(scope="module")
+def connected(nodes):
+    """The nodes, with a connection of this process, so that workers start once for all tests."""
+    ray.init(nodes.address, log_to_driver=False, logging_level="ERROR")
+    yield nodes
+    ray.shutdown()
 
 
 @pytest.fixture
@@ -69,14 +84,20 @@ def expected():
 
 
 def test_pairs_and_rows_have_the_bytes_of_a_local_call(nodes, expected, small_tasks):
-    a, b = impinge.Mesh(*torus()), impinge.Mesh(*cube())
+    b = impinge.Mesh(*cube())
     poses = random_poses(200, 2.0, 3)
     with impinge.cluster.ray(nodes.address) as cluster:
         assert cluster.processors == 3
         assert same_reports(SCENE.check(POSES, on=cluster, **QUESTION), expected)
         assert cluster.work.tasks > 20
-        for verb in (impinge.intersects, impinge.distance, impinge.intersecting_pairs):
-            assert same(verb(a, b, None, poses, on=cluster), verb(a, b, None, poses))
+        for verb in (impinge.intersects, impinge.distance, impinge.intersecting_pairs, impinge.contacts):
+            assert same(verb(b, b, None, poses, on=cluster), verb(b, b, None, poses))
+            assert cluster.work.tasks == 8
+        moving = impinge.Motion(poses, poses[::-1])
+        impact = impinge.time_of_impact(b, b, None, moving, on=cluster)
+        assert same(impact, impinge.time_of_impact(b, b, None, moving))
+        assert cluster.work.tasks == 8
+        assert 0.1 < impact.hit.mean() < 0.9
         rows = {"part 1": random_poses(64, 9.0, 5)}
         assert same_reports(SCENE.check({**POSES, **rows}, on=cluster), SCENE.check({**POSES, **rows}))
         assert cluster.work.tasks == 8
@@ -97,8 +118,8 @@ def running_tasks(node):
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads the titles of processes from /proc")
-def test_a_node_that_is_killed_changes_nothing(nodes, expected, small_tasks, monkeypatch, tmp_path):
-    node = nodes.add_node(**NODE)
+def test_a_node_that_is_killed_changes_nothing(connected, expected, small_tasks, monkeypatch, tmp_path):
+    node = connected.add_node(**NODE)
     add, finished, killed = Checkpoint.add, [], []
 
     def kill(self, call, task, answer):
@@ -106,10 +127,10 @@ def test_a_node_that_is_killed_changes_nothing(nodes, expected, small_tasks, mon
         finished.append(task)
         if not killed and len(finished) >= 8 and running_tasks(node):
             killed.append(len(finished))
-            nodes.remove_node(node, allow_graceful=False)
+            connected.remove_node(node, allow_graceful=False)
 
     monkeypatch.setattr(Checkpoint, "add", kill)
-    with impinge.cluster.ray(nodes.address, checkpoint=tmp_path / "run.ndjson") as cluster:
+    with impinge.cluster.ray(checkpoint=tmp_path / "run.ndjson") as cluster:
         assert cluster.processors == 4
         report = SCENE.check(POSES, on=cluster, **QUESTION)
         assert sorted(finished) == list(range(cluster.work.tasks))
@@ -122,7 +143,7 @@ def test_a_node_that_is_killed_changes_nothing(nodes, expected, small_tasks, mon
     assert same_reports(report, expected)
 
 
-def test_an_interrupted_call_continues_from_its_checkpoint(nodes, expected, small_tasks, monkeypatch, tmp_path):
+def test_an_interrupted_call_continues_from_its_checkpoint(connected, expected, small_tasks, monkeypatch, tmp_path):
     add = Checkpoint.add
 
     def interrupt(self, call, task, answer):
@@ -135,18 +156,18 @@ def test_an_interrupted_call_continues_from_its_checkpoint(nodes, expected, smal
         patch.setattr(Checkpoint, "add", interrupt)
         with (
             pytest.raises(KeyboardInterrupt),
-            impinge.cluster.ray(nodes.address, checkpoint=tmp_path / "run.ndjson") as cluster,
+            impinge.cluster.ray(checkpoint=tmp_path / "run.ndjson") as cluster,
         ):
             SCENE.check(POSES, on=cluster, **QUESTION)
-    with impinge.cluster.ray(nodes.address, checkpoint=tmp_path / "run.ndjson") as cluster:
+    with impinge.cluster.ray(checkpoint=tmp_path / "run.ndjson") as cluster:
         assert same_reports(SCENE.check(POSES, on=cluster, **QUESTION), expected)
         assert 10 <= cluster.work.resumed < cluster.work.tasks
 
 
-def test_parts_are_used_in_place_in_the_object_store(nodes):
+def test_parts_are_used_in_place_in_the_object_store(connected):
     mesh = impinge.Mesh(*torus(400, 200))
     baked = np.frombuffer(mesh.to_baked(), np.uint8)
-    with impinge.cluster.ray(nodes.address):
+    with impinge.cluster.ray():
         stored = ray.get(ray.put(baked))
         made, owner = impinge.Mesh.from_baked(stored), weakref.ref(stored)
         del stored
@@ -158,7 +179,7 @@ def test_parts_are_used_in_place_in_the_object_store(nodes):
         assert owner() is None
 
 
-def test_damaged_parts_and_other_versions_are_errors(nodes, monkeypatch):
+def test_damaged_parts_and_other_versions_are_errors(connected, monkeypatch):
     a, b = impinge.Mesh(*torus(41, 20)), impinge.Mesh(*torus(43, 20))
     packed = _parcels.Parcels.packed
 
@@ -167,7 +188,7 @@ def test_damaged_parts_and_other_versions_are_errors(nodes, monkeypatch):
         parcel[len(parcel) // 4] ^= 4
         return parcel
 
-    with impinge.cluster.ray(nodes.address) as cluster:
+    with impinge.cluster.ray() as cluster:
         with monkeypatch.context() as patch:
             patch.setattr(_parcels.Parcels, "packed", spoil)
             with pytest.raises(impinge.InputError, match="part 'a' did not reach the worker as it was sent"):
@@ -198,14 +219,14 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_a_worker_without_memory_is_repeated_or_an_error(nodes, monkeypatch, tmp_path, fault):
+def test_a_worker_without_memory_is_repeated_or_an_error(connected, monkeypatch, tmp_path, fault):
     action = FAULTS[fault].format(flag=str(tmp_path / "flag"))
     ball, mesh, poses = impinge.Shape.sphere(1.25), impinge.Mesh(*torus()), random_poses(64, 2.0, 3)
     bytes_of = _parcels._bytes_of
     faulty = {ball: run_when_loaded(action, ball)}
     monkeypatch.setattr(_parcels, "_bytes_of", lambda part: faulty.get(part) or bytes_of(part))
-    monkeypatch.setattr(_session, "_MAX_RETRIES", 2)
-    with impinge.cluster.ray(nodes.address) as cluster:
+    monkeypatch.setattr(_session, "_MAX_RETRIES", 1)
+    with impinge.cluster.ray() as cluster:
         if fault == "a worker is killed once":
             assert same(
                 impinge.intersects(ball, mesh, None, poses, on=cluster), impinge.intersects(ball, mesh, None, poses)
@@ -219,8 +240,8 @@ def test_a_worker_without_memory_is_repeated_or_an_error(nodes, monkeypatch, tmp
                 impinge.intersects(ball, mesh, None, poses, on=cluster)
 
 
-def test_a_lost_object_is_an_error(nodes, small_tasks, monkeypatch):
-    node = nodes.add_node(**NODE, resources={"lost": 1})
+def test_a_lost_object_is_an_error(connected, small_tasks, monkeypatch):
+    node = connected.add_node(**NODE, resources={"lost": 1})
     put = ray.put
     lost = []
 
@@ -229,10 +250,10 @@ def test_a_lost_object_is_an_error(nodes, small_tasks, monkeypatch):
         if lost:
             return put(value)
         lost.extend(ray.get(ray.remote(resources={"lost": 1})(lambda: [put(value)]).remote()))
-        nodes.remove_node(node, allow_graceful=False)
+        connected.remove_node(node, allow_graceful=False)
         return lost[0]
 
-    with impinge.cluster.ray(nodes.address) as cluster:
+    with impinge.cluster.ray() as cluster:
         with monkeypatch.context() as patch:
             patch.setattr(ray, "put", put_and_lose)
             with pytest.raises(impinge.cluster.ClusterError, match=r"task .* of pairs: OwnerDiedError"):
@@ -241,10 +262,10 @@ def test_a_lost_object_is_an_error(nodes, small_tasks, monkeypatch):
         assert impinge.intersects(impinge.Mesh(*cube()), impinge.Mesh(*torus()), on=cluster)
 
 
-def test_parts_in_a_shared_folder_are_mapped_on_each_node(nodes, expected, small_tasks, tmp_path):
+def test_parts_in_a_shared_folder_are_mapped_on_each_node(connected, expected, small_tasks, tmp_path):
     SCENE.bake(tmp_path / "building")
     scene = impinge.load_scene(tmp_path / "building")
-    with impinge.cluster.ray(nodes.address, shared=tmp_path) as cluster:
+    with impinge.cluster.ray(shared=tmp_path) as cluster:
         report = scene.check(POSES, on=cluster, **QUESTION)
         assert cluster.work.bytes_put == 0
         assert cluster.work.bytes_mapped > 3 * 1000
@@ -268,25 +289,28 @@ def write_scene(path, count):
     path.write_text("\n".join(lines) + "\n")
 
 
-def test_the_command_writes_the_pairs_as_json(nodes, tmp_path):
+def test_the_command_writes_the_pairs_as_json(connected, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
     write_scene(tmp_path / "row.obj", 6)
     write_scene(tmp_path / "two.obj", 2)
 
     def run(*arguments):
-        command = [sys.executable, "-m", "impinge.cluster", "pairs", *arguments, "--address", nodes.address]
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-        return done.returncode, done.stdout, done.stderr
+        code = _command.main(["pairs", *arguments])
+        out, err = capsys.readouterr()
+        return code, out, err
 
-    code, out, err = run("row.obj", "--checkpoint", "run.ndjson")
-    assert (code, err) == (1, "")
-    report = json.loads(out)
+    row = "row.obj", "--checkpoint", "run.ndjson"
+    command = [sys.executable, "-m", "impinge.cluster", "pairs", *row, "--address", connected.address]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (1, "")
+    report = json.loads(done.stdout)
     assert report["complete"] is True
     assert report["tasks"] == [1, 1]
     assert report["pairs"] == [[f"part {at}", f"part {at + 1}"] for at in range(4)]
     assert report["parts"] == 6
     assert json.loads((tmp_path / "run.ndjson").read_text())["task"] == 0
-    assert run("row.obj", "--checkpoint", "run.ndjson") == (code, out, err)
-    code, out, err = run("row.obj", "two.obj", "--question", "within", "--clearance", "0.5")
+    assert run(*row) == (1, done.stdout, "")
+    _, out, _ = run("row.obj", "two.obj", "--question", "within", "--clearance", "0.5")
     assert ["1 row.obj: part 0", "2 two.obj: part 0"] in json.loads(out)["pairs"]
     code, out, err = run("two.obj", "--question", "penetrates")
     assert (code, json.loads(out)["pairs"], err) == (0, [], "")
