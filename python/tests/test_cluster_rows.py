@@ -8,7 +8,7 @@ from impinge.cluster import _calls
 from impinge.cluster._checkpoint import Checkpoint
 from in_process_engine import cluster_of_tasks
 from same_answers import error_of, same
-from shapes import random_poses, torus
+from shapes import cube, random_poses, torus
 
 
 @pytest.fixture
@@ -99,13 +99,20 @@ SWEEPS = {
 @pytest.mark.parametrize("motions", MOTIONS.values(), ids=MOTIONS)
 @pytest.mark.parametrize("options", SWEEPS.values(), ids=SWEEPS)
 def test_sweeps_have_the_bytes_of_a_local_call(cluster, motions, options):
-    ball, hits = impinge.Shape.sphere(0.5), []
-    for a, b in [(CUBE, CUBE), (CUBE, impinge.Mesh(*torus(8, 6))), (ball, CUBE), (ball, ball)]:
+    ball, hall, hits = impinge.Shape.sphere(0.5), impinge.Mesh(*cube(-3, 3)), []
+    for a, b in [(CUBE, hall), (CUBE, impinge.Mesh(*torus(8, 6))), (ball, CUBE), (ball, ball)]:
         impact = impinge.time_of_impact(a, b, *motions, on=cluster, **options)
         assert same(impact, impinge.time_of_impact(a, b, *motions, **options))
         hits += np.ravel(impact.hit).tolist()
     assert cluster.work.tasks == (7 if len(cluster._ray.started) > 4 else 1)
     assert len(hits) < 80 or 0.05 < np.mean(hits) < 0.95
+
+
+def test_solids_of_sweeps_count_on_a_cluster(cluster):
+    hall, motion = impinge.Mesh(*cube(-3, 3)), MOTIONS["grid"][0]
+    for solid in (False, True, "a", "b"):
+        impact = impinge.time_of_impact(CUBE, hall, motion, solid=solid, on=cluster)
+        assert impact.hit.all() == (solid in (True, "b"))
 
 
 def test_ragged_answers_and_sweeps_are_resumed(cluster, tmp_path):
