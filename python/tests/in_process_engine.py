@@ -64,8 +64,8 @@ class Remote:
 
 def cluster_of_tasks(monkeypatch, shared=None):
     """Returns a cluster without Ray, whose calls are cut into as many tasks as possible."""
-    monkeypatch.setattr(_calls, "_LEAST_WORK", 1)
-    monkeypatch.setattr(_calls, "_MOST_TASKS", 7)
-    monkeypatch.setattr(_scenes, "_LEAST_COST", 1 << 11)
+    monkeypatch.setattr(_calls, "_MIN_WORK", 1)
+    monkeypatch.setattr(_calls, "_TARGET_TASKS", 7)
+    monkeypatch.setattr(_scenes, "_MIN_COST", 1 << 11)
     monkeypatch.setattr(_parcels, "_PARCEL_BYTES", 1 << 16)
     return _session.Cluster(Engine(), None, shared)

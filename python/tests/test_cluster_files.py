@@ -170,7 +170,7 @@ def test_a_worker_keeps_few_mapped_parts(cluster, tmp_path, monkeypatch):
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads the memory of the process from /proc")
-def test_the_memory_of_workers_is_told(cluster):
+def test_the_memory_of_workers_is_reported(cluster):
     mesh = impinge.Mesh(*torus())
     impinge.intersects(mesh, mesh, None, random_poses(20, 2.0, 3), on=cluster)
     ((node, memory),) = cluster.work.memory.items()

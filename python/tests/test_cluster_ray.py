@@ -46,7 +46,7 @@ def nodes():
 
 @pytest.fixture(scope="module")
 def connected(nodes):
-    """The nodes, with a connection of this process, so that workers start once for all tests."""
+    """Returns the nodes after a connection to them, so that workers start once for all tests."""
     ray.init(nodes.address, log_to_driver=False, logging_level="ERROR")
     yield nodes
     ray.shutdown()
@@ -55,9 +55,9 @@ def connected(nodes):
 @pytest.fixture
 def small_tasks(monkeypatch):
     """Cuts calls into many tasks and parcels."""
-    monkeypatch.setattr(_calls, "_LEAST_WORK", 1)
-    monkeypatch.setattr(_calls, "_MOST_TASKS", 8)
-    monkeypatch.setattr(_scenes, "_LEAST_COST", 1 << 17)
+    monkeypatch.setattr(_calls, "_MIN_WORK", 1)
+    monkeypatch.setattr(_calls, "_TARGET_TASKS", 8)
+    monkeypatch.setattr(_scenes, "_MIN_COST", 1 << 17)
     monkeypatch.setattr(_parcels, "_PARCEL_BYTES", 1 << 20)
 
 
@@ -236,7 +236,10 @@ def test_a_worker_without_memory_is_repeated_or_an_error(connected, monkeypatch,
             with pytest.raises(MemoryError, match="Unable to allocate"):
                 impinge.intersects(ball, mesh, None, poses, on=cluster)
         else:
-            with pytest.raises(impinge.cluster.ClusterError, match=r"task 1 of 1 of intersects: WorkerCrashedError"):
+            with pytest.raises(
+                impinge.cluster.ClusterError,
+                match=r"intersects, task 1 of 1: WorkerCrashedError(.|\n)*Run the call again",
+            ):
                 impinge.intersects(ball, mesh, None, poses, on=cluster)
 
 
@@ -256,7 +259,7 @@ def test_a_lost_object_is_an_error(connected, small_tasks, monkeypatch):
     with impinge.cluster.ray() as cluster:
         with monkeypatch.context() as patch:
             patch.setattr(ray, "put", put_and_lose)
-            with pytest.raises(impinge.cluster.ClusterError, match=r"task .* of pairs: OwnerDiedError"):
+            with pytest.raises(impinge.cluster.ClusterError, match=r"pairs, task .*: OwnerDiedError"):
                 SCENE.check(POSES, on=cluster, **QUESTION)
         assert lost
         assert impinge.intersects(impinge.Mesh(*cube()), impinge.Mesh(*torus()), on=cluster)

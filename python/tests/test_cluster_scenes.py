@@ -146,19 +146,19 @@ def test_tasks_of_pairs_are_bounded_and_close_together():
     assert np.mean(needed) < 0.6 * min(400, np.mean([len(run) for run in runs]))
     faces = np.array([_scenes.faces(part) for part in call.parts])
     costs = [int((faces[run].sum(axis=1) + _scenes._COST_OF_PAIR).sum()) for run in runs]
-    assert max(costs) < _scenes._LEAST_COST + 2 * faces.max() + _scenes._COST_OF_PAIR
+    assert max(costs) < _scenes._MIN_COST + 2 * faces.max() + _scenes._COST_OF_PAIR
 
 
 def test_pairs_of_large_parts_are_few_tasks_and_never_one_for_several_huge_pairs():
     pairs = np.array([[at, at + 1] for at in range(0, 40_000, 2)], np.uint32)
     large = np.full(40_000, 250_000)
     small = np.full(40_000, 100)
-    ends = _scenes.cut(pairs, large, _scenes._MOST_FACES)
-    assert len(ends) - 1 == _scenes._MOST_TASKS
+    ends = _scenes.cut(pairs, large, _scenes._MAX_FACES)
+    assert len(ends) - 1 == _scenes._TARGET_TASKS
     assert len(_scenes.cut(pairs, large)) - 1 > 1150  # clashes visit all faces
-    assert np.array_equal(_scenes.cut(pairs, small, _scenes._MOST_FACES), _scenes.cut(pairs, small))
-    assert len(_scenes.cut(pairs[:10], 8 * large, _scenes._MOST_FACES)) - 1 == 10
+    assert np.array_equal(_scenes.cut(pairs, small, _scenes._MAX_FACES), _scenes.cut(pairs, small))
+    assert len(_scenes.cut(pairs[:10], 8 * large, _scenes._MAX_FACES)) - 1 == 10
     many = np.tile(pairs, (40, 1))
-    counts = np.diff(_scenes.cut(many, large, _scenes._MOST_FACES))
-    limited = counts * (2 * _scenes._MOST_FACES + _scenes._COST_OF_PAIR)
-    assert _scenes._MOST_COST // 2 < limited[:-1].min() <= limited.max() < 1.1 * _scenes._MOST_COST
+    counts = np.diff(_scenes.cut(many, large, _scenes._MAX_FACES))
+    limited = counts * (2 * _scenes._MAX_FACES + _scenes._COST_OF_PAIR)
+    assert _scenes._MAX_COST // 2 < limited[:-1].min() <= limited.max() < 1.1 * _scenes._MAX_COST

@@ -22,23 +22,25 @@ from impinge._mesh import Mesh
 from impinge._shape import AnyShape
 from impinge.cluster._parcels import Parcels
 
-_MOST_TASKS = 256
-"""Number of tasks of a call, unless they would be smaller than the smallest task or larger than the
-largest. With fewer, processors are idle at the end. With more, Ray's cost of a task, about a
-millisecond, weighs more."""
+_TARGET_TASKS = 256
+"""Number of tasks of a call, if its tasks are then larger than the smallest and smaller than the
+largest. With fewer, processors are idle at the end. With more, the cost of Ray, some milliseconds
+for each task, is a larger part of the call."""
 
 _FACES_OF_SHARE = 1 << 16
-"""Number of faces of two meshes for each share of their search at one pose. With more, processors
-are idle. With fewer, Ray's cost of a task, and the descent to the first subtree, weigh more."""
+"""Number of faces of two meshes for each share of their search at one pose. With more, there are
+too few tasks for all processors. With fewer, Ray's cost of a task and the descent to the first
+subtree are a larger part of a task."""
 
-_LEAST_WORK, _MOST_WORK = 1 << 16, 1 << 22
-"""Estimated work of a task, in rows of `intersects`, each of which takes one or two microseconds.
-Ray's cost is less than a tenth of the smallest task. The largest one takes about six seconds; it is
-lost if its node ends, and must be computed again."""
+_MIN_WORK, _MAX_WORK = 1 << 16, 1 << 22
+"""Minimum and maximum of the estimated work of a task, in rows of `intersects`. A row takes one or
+two microseconds. With a smaller minimum, Ray's cost is more than a tenth of the smallest task. The
+largest task takes about six seconds. If its node ends, the task is computed again, so a larger
+maximum wastes more time."""
 
 _BYTES_OF_POSES = 8 << 20
-"""Maximum size of the poses of a task in bytes, if it has more than one row. Larger ones fill the
-object store, because two tasks for each processor are with Ray."""
+"""Maximum size of the poses of a task in bytes, if it has more than one row. Two tasks for each
+processor are with Ray, so larger ones fill the object store. Smaller ones make more tasks."""
 
 _BYTES_OF_POSE = 128
 """Size of a pose in bytes."""
@@ -62,7 +64,7 @@ class Call(ABC):
     Attributes
     ----------
     what : str
-        Name of the call for people.
+        Name of the call in error messages and in Ray's dashboard.
     count : int
         Number of tasks.
     names, parts : sequences
@@ -70,7 +72,7 @@ class Call(ABC):
     parcels : Parcels
         Bytes of the parts.
     function : str
-        Function of the worker.
+        Name of the function of the worker that answers a task.
     """
 
     what: str
@@ -94,10 +96,10 @@ class Call(ABC):
 
     @abstractmethod
     def _input(self) -> tuple[Any, ...]:
-        """Return everything except the parts that the answers depend on."""
+        """Return all values besides the parts on which the answers depend."""
 
     def fingerprint(self) -> str:
-        """Return a hash of all that the answers of the tasks depend on."""
+        """Return a hash of all values on which the answers of the tasks depend."""
         sha = hashlib.sha256()
         for item in (__version__, self.function, self.count, *self.parcels.digests(), *self._input()):
             content = np.ascontiguousarray(item) if isinstance(item, np.ndarray) else None
@@ -118,9 +120,9 @@ def run_of(count: int, work: int, size: int) -> tuple[int, int]:
 
     `work` is the estimated work of a row, and `size` the number of bytes that are sent for it.
     """
-    even = -(-count // _MOST_TASKS)
-    most = min(_MOST_WORK // work, _BYTES_OF_POSES // size)
-    run = max(min(max(even, _LEAST_WORK // work), most), 1)
+    even = -(-count // _TARGET_TASKS)
+    maximum = min(_MAX_WORK // work, _BYTES_OF_POSES // size)
+    run = max(min(max(even, _MIN_WORK // work), maximum), 1)
     return run, max(-(-count // run), 1)
 
 
@@ -249,7 +251,7 @@ class ShareCall(Call):
         self.parcels = Parcels(self.parts, range(2))
         named = {"pose_a": pose_a, "pose_b": pose_b}
         self._poses = tuple(None if pose is None else _arrays.plain_poses(pose, name) for name, pose in named.items())
-        self.count = min(max((a.face_count + b.face_count) // _FACES_OF_SHARE, 1), _MOST_TASKS)
+        self.count = min(max((a.face_count + b.face_count) // _FACES_OF_SHARE, 1), _TARGET_TASKS)
 
     def parts_of(self, task: int) -> Sequence[int]:
         """Return the two meshes; the same mesh twice is one part."""

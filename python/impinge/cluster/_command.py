@@ -48,8 +48,8 @@ def _parser() -> argparse.ArgumentParser:
     pairs = commands.add_parser(
         "pairs",
         help="find all pairs of parts that intersect, penetrate or come near",
-        description="Finds all pairs of parts in the scenes, as they stand, and writes them to stdout as JSON. "
-        "Exit code: 0 no pair, 1 pairs found, 2 no complete answer.",
+        description="Finds all pairs of parts in the scenes, at the poses of the scenes, and writes them to stdout "
+        "as JSON. Exit code: 0 no pair, 1 pairs found, 2 no complete answer.",
     )
     pairs.add_argument(
         "scenes", nargs="+", metavar="SCENE", help="file with parts, or folder of a baked scene; several are one scene"

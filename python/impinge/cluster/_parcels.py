@@ -45,9 +45,9 @@ class Parcels:
     Parameters
     ----------
     parts : sequence of Mesh or Shape
-        All parts; equal objects are packed once.
+        All parts. An object that occurs several times is packed once.
     order : iterable of int
-        Indices of the parts that are packed, those that are used together close to each other.
+        Indices of the parts that are packed. Parts that are used together should be neighbors.
     """
 
     def __init__(self, parts: Sequence[AnyShape], order: Iterable[int]) -> None:

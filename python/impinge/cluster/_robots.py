@@ -39,8 +39,6 @@ class RobotRows(Call):
         Other arguments.
     """
 
-    what = "configurations"
-
     def __init__(
         self,
         function: str,
@@ -50,6 +48,7 @@ class RobotRows(Call):
         rest: tuple[Any, ...],
     ) -> None:
         self.function = function
+        self.what = "motions" if function == "robot_motions" else "configurations"
         things: Sequence[Any] = snapshots([part for _, part, *_ in obstacles])
         self.parts = [robot, *things]  # type: ignore[list-item]  # a robot travels like a shape
         self.names = ["the robot", *(name for name, *_ in obstacles)]

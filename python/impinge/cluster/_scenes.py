@@ -21,23 +21,25 @@ Part = tuple[str, Any, bool, Any]
 _COST_OF_PAIR = 512
 """Estimated cost of a pair of parts besides their faces, in faces."""
 
-_LEAST_COST, _MOST_COST = 1 << 17, 1 << 23
-"""Estimated cost of a task, in faces. The smallest one takes several times as long as Ray needs for
-a task. The largest one is lost if its node ends, and must be computed again."""
+_MIN_COST, _MAX_COST = 1 << 17, 1 << 23
+"""Minimum and maximum of the estimated cost of a task, in faces. The smallest task takes several
+times as long as Ray needs for a task. If its node ends, a task is computed again, so a larger
+maximum wastes more time."""
 
-_MOST_FACES = 1 << 14
+_MAX_FACES = 1 << 14
 """Maximum number of faces of a part that count for the largest task. Queries visit few faces of a
 large mesh, so a task of many large parts would be too small otherwise."""
 
-_MOST_TASKS = 1 << 10
-"""Number of tasks of a check, unless they would be smaller than the smallest task or larger than
-the largest."""
+_TARGET_TASKS = 1 << 10
+"""Number of tasks of a check, if its tasks are then larger than the smallest and smaller than the
+largest. With fewer, processors are idle at the end. With more, Ray's cost is a larger part."""
 
 _WORK_OF_MOVING = 8
 """Estimated work of a configuration for each part that moves, in rows of `intersects`."""
 
 _BITS = 16
-"""Number of bits for each axis of a place along the space-filling curve."""
+"""Number of bits for each axis of a place along the space-filling curve. Three axes fit into the 64
+bits of an integer."""
 
 
 class SceneRows(Call):
@@ -123,7 +125,7 @@ class ScenePairs(Call):
         rank = ranks(boxes)
         order = np.sort(rank[pairs], axis=1)
         self._pairs = pairs[np.lexsort((order[:, 1], order[:, 0]))]
-        self._ends = cut(self._pairs, np.array([faces(part) for part in self.parts], np.int64), _MOST_FACES)
+        self._ends = cut(self._pairs, np.array([faces(part) for part in self.parts], np.int64), _MAX_FACES)
         self.count = len(self._ends) - 1
         self.parcels = Parcels(self.parts, list(dict.fromkeys(self._pairs.ravel().tolist())))
 
@@ -178,7 +180,7 @@ def faces(part: Any) -> int:
 
 
 def ranks(boxes: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the places of boxes along a space-filling curve, those without a box last."""
+    """Return the places of boxes along a space-filling curve. Infinite boxes are last."""
     centers = 0.5 * boxes[:, :3] + 0.5 * boxes[:, 3:]
     bounded = np.isfinite(centers).all(axis=1)
     codes = np.full(len(boxes), 1 << (3 * _BITS), np.int64)
@@ -194,14 +196,14 @@ def ranks(boxes: NDArray[np.float64]) -> NDArray[np.int64]:
     return rank
 
 
-def cut(pairs: NDArray[np.uint32], costs_of_parts: NDArray[np.int64], most: int | None = None) -> NDArray[np.int64]:
+def cut(pairs: NDArray[np.uint32], costs_of_parts: NDArray[np.int64], max_cost: int | None = None) -> NDArray[np.int64]:
     """Return the ends of runs of pairs whose estimated costs are about equal, with a leading 0.
 
-    `most` is the maximum cost of a part that counts for the largest task.
+    `max_cost` is the maximum cost of a part that counts for the largest task.
     """
     costs = costs_of_parts[pairs].sum(axis=1) + _COST_OF_PAIR
-    limited = np.minimum(costs_of_parts, most)[pairs].sum(axis=1) + _COST_OF_PAIR if most else costs
-    share = max(int(costs.sum()) // max(_MOST_TASKS, int(limited.sum()) // _MOST_COST), _LEAST_COST)
+    limited = np.minimum(costs_of_parts, max_cost)[pairs].sum(axis=1) + _COST_OF_PAIR if max_cost else costs
+    share = max(int(costs.sum()) // max(_TARGET_TASKS, int(limited.sum()) // _MAX_COST), _MIN_COST)
     runs = (np.cumsum(costs) - costs) // share
     ends = np.flatnonzero(np.diff(runs)) + 1
     return np.concatenate([[0], ends, [len(pairs)]]).astype(np.int64) if len(pairs) else np.zeros(1, np.int64)

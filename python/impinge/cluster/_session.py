@@ -22,22 +22,29 @@ from impinge.cluster._checkpoint import Checkpoint
 from impinge.cluster._functions import Functions
 
 _TASKS_PER_PROCESSOR = 2
-"""Number of tasks that are given to Ray at a time, for each processor of the cluster. With one, a
-processor waits for its next task. More only take memory."""
+"""Number of tasks that are with Ray at a time, for each processor of the cluster. With one, a
+processor waits for its next task. More take memory and are not faster."""
 
 _MAX_RETRIES = 16
-"""Number of times that Ray runs a task again if its worker or its node ended."""
+"""Number of times that Ray runs a task again if its worker or its node ended. With fewer, a call
+fails on a cluster whose nodes come and go. With more, a task that ends each worker takes longer to
+fail."""
 
 _INSTALL = 'pip install "impinge[ray]"'
+"""Command that installs Ray, for the error message."""
+
+
+_AGAIN = "Run the call again. If the connection has a checkpoint, finished tasks are not run again."
+"""Hint for a task that Ray could not complete."""
 
 
 class ClusterError(RuntimeError):
-    """Raised if Ray is absent, if a connection fails, or if a task could not be completed."""
+    """Raised if Ray is not installed, if the connection fails, or if a task fails."""
 
 
 @dataclass
 class Work:
-    """Work that the last call on a cluster took.
+    """Work that the last call on a cluster did.
 
     Attributes
     ----------
@@ -52,8 +59,8 @@ class Work:
     memory : dict of str to int
         For each node, the private memory of its workers in bytes, without mapped files and without
         the object store: the sum of the maximum of each worker at the ends of tasks. The name of a
-        node is that of its machine, and the process number of Ray's raylet there. Only Linux tells
-        the size; elsewhere it is 0.
+        node is that of its machine, and the process number of Ray's raylet there. The size is 0 on
+        systems other than Linux.
     """
 
     tasks: int = 0
@@ -165,7 +172,7 @@ class _Run:
                 self._parcels[parcel] = self._ray.put(packed)
                 self._work.bytes_put += packed.nbytes
         places = [self._place(call.names[part], call.parts[part], parcels) for part in call.parts_of(task)]
-        remote = self._remote.options(name=f"impinge: {call.what}, task {task + 1} of {call.count}")
+        remote = self._remote.options(name=f"impinge: {self._name(task)}")
         contents = [self._parcels[parcel] for parcel in parcels]
         started = remote.remote(__version__, call.function, places, call.arguments_of(task), *contents)
         for parcel in parcels:
@@ -213,9 +220,11 @@ class _Run:
                 raise cause from None
             reason = str(cause) if isinstance(cause, _worker.VersionError) else f"{type(cause).__name__}: {cause}"
         except self._ray.exceptions.RayError as error:
-            reason = f"{type(error).__name__}: {error}"
-        where = f"task {task + 1} of {self._call.count} of {self._call.what}"
-        raise ClusterError(f"{where}: {reason.strip()}")
+            reason = f"{type(error).__name__}: {str(error).strip()}\n{_AGAIN}"
+        raise ClusterError(f"{self._name(task)}: {reason.strip()}")
+
+    def _name(self, task: int) -> str:
+        return f"{self._call.what}, task {task + 1} of {self._call.count}"
 
     def cancel(self) -> None:
         """Cancel the tasks that are not finished."""

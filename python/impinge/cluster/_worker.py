@@ -40,7 +40,7 @@ limits the number of files that a worker keeps open."""
 
 @dataclass(frozen=True)
 class Place:
-    """Where the bytes of a part are in a parcel."""
+    """Place of the bytes of a part in a parcel."""
 
     name: str
     """Name of the part, for error messages."""
@@ -58,7 +58,7 @@ class Place:
 
 @dataclass(frozen=True)
 class StoredPlace:
-    """Where the bytes of a part are in a file that all nodes share."""
+    """Place of the bytes of a part in a file that all nodes share."""
 
     name: str
     """Name of the part, for error messages."""
@@ -76,7 +76,7 @@ class Use:
     """Process number of the worker."""
     memory: int
     """Private memory of the worker at the end of the task in bytes, without mapped files and the
-    object store. It is 0 if the system does not tell."""
+    object store. It is 0 on systems other than Linux."""
     mapped: int
     """Number of bytes of files that the task mapped."""
 
@@ -318,7 +318,7 @@ def _mapped(place: StoredPlace) -> Mesh:
 def private_memory() -> int:
     """Return the number of bytes of memory that belong to this process alone.
 
-    Mapped files and the object store are left out. The result is 0 if the system does not tell.
+    Mapped files and the object store are not counted. The result is 0 on systems other than Linux.
     """
     try:
         with open("/proc/self/status", encoding="ascii") as status:
