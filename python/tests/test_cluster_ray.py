@@ -25,18 +25,20 @@ pytestmark = pytest.mark.filterwarnings("ignore")  # those of Ray and of the pac
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 NODE = {"num_cpus": 1, "object_store_memory": 300_000_000}
-HEALTH = {
+SETTINGS = {
     "health_check_initial_delay_ms": 500,
     "health_check_period_ms": 500,
     "health_check_failure_threshold": 3,
+    "worker_niceness": 0,
 }
-"""Lets Ray notice in two seconds that a node was killed. With its own settings it takes 15."""
+"""Settings of Ray. With these health checks it notices in two seconds that a node was killed, where
+its own take 15. Its own niceness of 15 leaves workers little time beside other programs."""
 
 
 @pytest.fixture(scope="module")
 def nodes():
     """Three nodes on this machine."""
-    head = {**NODE, "include_dashboard": False, "_system_config": HEALTH}
+    head = {**NODE, "include_dashboard": False, "_system_config": SETTINGS}
     cluster = cluster_utils.Cluster(initialize_head=True, head_node_args=head)
     for _ in range(2):
         cluster.add_node(**NODE)
