@@ -17,7 +17,11 @@ Scene = tuple[str, list[tuple[str, Any, Any, Any]], list[tuple[int, int]]]
 """Scene as the extension takes it: its label, the name, thing, pose and details of each part, and
 pairs of parts that are ignored."""
 
-ClashQuestion = tuple[list[Scene], tuple[str | None, str], tuple[Any, Any], tuple[bool, bool, bool], tuple[Any, Any]]
+Flags = tuple[bool, bool, bool, bool]
+"""Whether only parts of different scenes are compared, whether contacts are listed, whether volumes
+are computed, and whether curves are traced."""
+
+ClashQuestion = tuple[list[Scene], tuple[str | None, str], tuple[Any, Any], Flags, tuple[Any, Any]]
 """Question as the extension takes it: the scenes, their unit and the axis that points up, the
 tolerance and the clearance, the flags, and the rules and the previous report."""
 
@@ -44,7 +48,8 @@ class ClashPairs(Call):
         for at, (name, _, pose, _) in enumerate(parts):
             self._poses[at] = np.eye(4) if pose is None else _arrays.plain_poses(pose, name).reshape(4, 4)
         self._order = np.argsort(ranks(boxes), kind="stable")
-        self._pairs, self._asked, self._listed = pairs[self._order], asked[self._order], flags[1:]
+        self._pairs, self._asked = pairs[self._order], asked[self._order]
+        self._listed = flags[1:3]  # curves are traced later, for the report
         self._ends = cut(self._pairs, np.array([_COST * faces(part) for part in self.parts], np.int64))
         self.count = len(self._ends) - 1
         self.parcels = Parcels(self.parts, list(dict.fromkeys(self._pairs.ravel().tolist())))
