@@ -515,7 +515,7 @@ _ClashQuestion: TypeAlias = tuple[
     list[tuple[str, list[Any], list[tuple[int, int]]]],
     tuple[str | None, str],
     tuple[float | str | None, float | str | None],
-    tuple[bool, bool, bool],
+    tuple[bool, bool, bool, bool],
     tuple[list[str] | str | None, list[str] | str | None],
 ]
 
