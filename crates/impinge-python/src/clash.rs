@@ -57,8 +57,8 @@ pub(crate) type Question<'py> = (Vec<Labeled<'py>>, (Option<String>, String), Le
 /// The tolerance and the clearance.
 type Lengths = (Option<LengthOption>, Option<LengthOption>);
 
-/// Whether only parts of different scenes are compared, whether contacts are listed, whether volumes
-/// are computed, and whether curves are traced.
+/// Whether only parts of different scenes are compared, whether contacts are listed, whether
+/// volumes are computed, and whether curves are traced.
 type Flags = (bool, bool, bool, bool);
 
 /// The rules and the previous report.

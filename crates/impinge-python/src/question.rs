@@ -56,7 +56,7 @@ pub(crate) enum Search {
     OneThread,
     /// On all threads, with an interrupt.
     AllThreads,
-    /// As `AllThreads`, but not on the caller's thread unless the query is short. First the query
+    /// On all threads, and not on the caller's thread unless the query is short. First the query
     /// may prepare a mesh for questions about its inside, and an interrupt does not stop that.
     Derived,
     /// To its end: an interrupt does not stop it within a row.

@@ -278,8 +278,8 @@ struct ClashRow<'r> {
     normal: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     faces: Option<[u32; 2]>,
-    /// Polylines, and then one list with a single point for each isolated point in which the surfaces
-    /// touch.
+    /// Polylines, and then one list with a single point for each isolated point in which the
+    /// surfaces touch.
     #[serde(skip_serializing_if = "Option::is_none")]
     curves: Option<Vec<&'r [[f64; 3]]>>,
     #[serde(rename = "box", skip_serializing_if = "Option::is_none")]

@@ -17,7 +17,7 @@ pub(crate) struct FacetPlane {
     /// The largest face of the facet. Its corners define the plane.
     pub(crate) face: u32,
     /// How far the mesh reaches beyond the plane, in the frame of the mesh; infinite if it is more
-    /// than rounding, or if that is not known. Otherwise the facet *supports* the mesh: the way from any point of the solid
-    /// to the plane leaves the solid.
+    /// than rounding, or if it is not known. Otherwise the facet *supports* the mesh: the way from
+    /// any point of the solid to the plane leaves the solid.
     pub(crate) overhang: f64,
 }
