@@ -18,21 +18,25 @@ impl Swept<'_> {
     /// # Accuracy
     /// The box is tight up to units of 2^-53 of the magnitudes that sum up to a coordinate: about 8
     /// units for corners, and the number of units in docs/notes/proof.md, L20, for other cores.
+    #[inline]
     pub(crate) fn world_bounds(&self) -> [[f64; 3]; 2] {
-        let [against, along] = match (self.core, self.core.corners()) {
-            (Core::Points([[0.0, 0.0, 0.0]]), _) => [[0.0; 3]; 2],
-            (Core::Cuboid([.., half_extents]), _) => [self.heights_of_box(half_extents); 2],
-            (_, Some(corners)) if corners.len() <= MAX_SCANNED_CORNERS => self.heights_of_corners(corners),
-            _ => self.heights_of_supports(),
-        };
         let at = self.pose.translation();
-        let swept = |heights: [f64; 3]| by_axis!(axis => (heights[axis] + self.radius[1]).next_up());
-        let along_swept = swept(along);
-        let against_swept = if against == along { along_swept } else { swept(against) };
-        [
-            by_axis!(axis => (at[axis] - against_swept[axis]).next_down()),
-            by_axis!(axis => (at[axis] + along_swept[axis]).next_up()),
-        ]
+        let swept = |heights: [f64; 3]| by_axis!(axis => up(heights[axis] + self.radius[1]));
+        let [against, along] = match self.core {
+            Core::Points([[0.0, 0.0, 0.0]]) => [[up(self.radius[1]); 3]; 2],
+            Core::Cuboid([.., half_extents]) => [swept(self.heights_of_box(half_extents)); 2],
+            _ => self.heights_of_any().map(swept),
+        };
+        [by_axis!(axis => -up(against[axis] - at[axis])), by_axis!(axis => up(at[axis] + along[axis]))]
+    }
+
+    /// Returns upper bounds on the reach of any core against each axis of the world and along it,
+    /// measured from the origin of the core's frame.
+    fn heights_of_any(&self) -> [[f64; 3]; 2] {
+        match self.core.corners() {
+            Some(corners) if corners.len() <= MAX_SCANNED_CORNERS => self.heights_of_corners(corners),
+            _ => self.heights_of_supports(),
+        }
     }
 
     /// Returns upper bounds on the reach of the core against each axis of the world and along it,
@@ -69,6 +73,7 @@ impl Swept<'_> {
     /// Returns upper bounds on the reach of a box about its origin along each axis of the world,
     /// which is its reach against the axis too. The error is that of
     /// [`heights_of_corners`](Self::heights_of_corners).
+    #[inline]
     fn heights_of_box(&self, half_extents: &[f64; 3]) -> [f64; 3] {
         self.pose.linear().map(|row| {
             let terms = by_axis!(k => row[k].abs() * half_extents[k]);
@@ -89,6 +94,15 @@ impl Swept<'_> {
             })
         })
     }
+}
+
+/// Returns the next greater float. It has the bits of [`f64::next_up`] for every finite number, and
+/// takes half of its instructions.
+#[inline(always)]
+fn up(x: f64) -> f64 {
+    // A zero of either sign becomes a positive one. Magnitudes grow with their bits.
+    let bits = (x + 0.0).to_bits() as i64;
+    f64::from_bits((bits + (1 | bits >> 63)) as u64)
 }
 
 #[cfg(test)]
@@ -145,6 +159,17 @@ mod tests {
             }
         }
         assert!(many > 30 && tight > 1000, "{many} with many corners, {tight} ends within two units");
+    }
+
+    #[test]
+    fn the_next_float_has_the_bits_of_the_standard_library() {
+        let mut rng = Rng::new(92);
+        let ends = [0.0, -0.0, f64::MAX, f64::MIN, f64::MIN_POSITIVE, -f64::MIN_POSITIVE, 5e-324, -5e-324, 1.0, -1.0];
+        let any = (0..10_000).map(|_| f64::from_bits(rng.next_u64())).filter(|x| x.is_finite());
+        for x in ends.into_iter().chain(any) {
+            assert_eq!(up(x).to_bits(), x.next_up().to_bits(), "{x:e}");
+            assert_eq!((-up(-x)).to_bits(), x.next_down().to_bits(), "{x:e}");
+        }
     }
 
     #[test]
