@@ -68,6 +68,12 @@ impl Bounds {
     }
 }
 
+impl Default for Stand {
+    fn default() -> Self {
+        Self::at(Pose::IDENTITY)
+    }
+}
+
 impl Stand {
     /// Returns a pose without the values that follow from it.
     pub(super) fn at(world_from_local: Pose) -> Self {
@@ -192,14 +198,25 @@ impl PlacedShape {
     ///
     /// # Errors
     /// As for [`Shape::at`].
-    pub(crate) fn stand_at(&self, world_from_local: &Pose) -> Result<Option<Stand>, InputError> {
+    fn stand_at(&self, world_from_local: &Pose) -> Result<Option<Stand>, InputError> {
         let mut stand = Stand::at(*world_from_local);
-        match &self.kind {
-            Kind::Compound(_) => return Ok(None),
-            Kind::Round { radius, .. } => stand.radius = images_of_radius(*radius, world_from_local)?,
-            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Field(_) | Kind::Mesh { .. } => {}
-        }
-        stand.bounds = match self.form_at(&stand) {
+        Ok(self.write_stand(world_from_local, &mut stand)?.then_some(stand))
+    }
+
+    /// Writes another pose, and the values that follow from it, to a stand. Returns `false` for a
+    /// compound, whose parts have these values. The stand is unspecified then, and after an error.
+    ///
+    /// # Errors
+    /// As for [`Shape::at`].
+    pub(crate) fn write_stand(&self, world_from_local: &Pose, stand: &mut Stand) -> Result<bool, InputError> {
+        stand.radius = match &self.kind {
+            Kind::Compound(_) => return Ok(false),
+            Kind::Round { radius, .. } => self.images_of_radius_at(*radius, world_from_local)?,
+            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Field(_) | Kind::Mesh { .. } => [0.0; 2],
+        };
+        stand.world_from_local = *world_from_local;
+        stand.bounds = Bounds::Unknown;
+        stand.bounds = match self.form_at(stand) {
             Form::Convex(swept) => Bounds::Box(swept.world_bounds()),
             Form::Surface(surface) => Bounds::of(surface.world_bounds()),
             Form::Field(field) => Bounds::of(field.world_bounds()),
@@ -208,10 +225,18 @@ impl PlacedShape {
                 Bounds::Plane(direction, level)
             }
         };
-        Ok(Some(stand))
+        Ok(true)
     }
 
-    /// Moves the shape to a pose whose values [`stand_at`](Self::stand_at) returned.
+    /// Returns [`images_of_radius`]. They depend on the linear part of the pose alone, and are known
+    /// if it does not change. A shape that is not placed yet has no radius.
+    fn images_of_radius_at(&self, radius: f64, pose: &Pose) -> Result<[f64; 2], InputError> {
+        let is_known = self.stand.radius[1] > 0.0 && self.stand.world_from_local.linear() == pose.linear();
+        if is_known { Ok(self.stand.radius) } else { images_of_radius(radius, pose) }
+    }
+
+    /// Moves the shape to a pose whose values [`write_stand`](Self::write_stand) wrote, and exchanges
+    /// them with those of the pose before.
     pub(crate) fn swap_stand(&mut self, stand: &mut Stand) {
         std::mem::swap(&mut self.stand, stand);
     }
@@ -343,4 +368,36 @@ pub(super) fn images_of_radius(radius: f64, pose: &Pose) -> Result<[f64; 2], Inp
     }
     let rounding = 4.0 * f64::EPSILON * radius;
     Ok([(radius * (1.0 - beyond - 2.0 * beyond * beyond) - rounding).max(0.0), radius * (1.0 + beyond) + rounding])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use impinge_testkit::generate::{Rng, poses};
+
+    /// Poses are a little stretched, so that the radii of a moved sphere are not those of the shape,
+    /// and many have the linear part of the pose before.
+    #[test]
+    fn a_moved_shape_has_the_radii_of_one_placed_there() {
+        let mut rng = Rng::new(48);
+        let (mut stretched, mut kept) = (0, 0);
+        let capsule = Shape::capsule([0.0; 3], [0.0, 0.0, 1.0], 0.3).expect("a capsule");
+        let mut moved = capsule.at(Pose::IDENTITY).expect("a rigid pose");
+        for _ in 0..400 {
+            let scale = 1.0 + 1e-5 * rng.integer(-2, 2) as f64;
+            let turned = poses::rotation(&mut rng).linear.map(|row| row.map(|x| x * scale));
+            let keeps = rng.one_in(2);
+            let linear = if keeps { *moved.world_from_local().linear() } else { turned };
+            let to = Pose::new(linear, [0; 3].map(|_| rng.integer(-3, 3) as f64)).expect("a pose");
+            let placed = capsule.at(to).expect("a rigid pose");
+            let mut stand = Stand::default();
+            assert_eq!(moved.write_stand(&to, &mut stand), Ok(true));
+            moved.swap_stand(&mut stand);
+            assert_eq!(moved.stand.radius.map(f64::to_bits), placed.stand.radius.map(f64::to_bits));
+            assert_eq!(moved.bounds(), placed.bounds());
+            stretched += u32::from(moved.stand.radius[1] > 0.3 * (1.0 + 1e-6));
+            kept += u32::from(keeps);
+        }
+        assert!(stretched > 200 && (150..250).contains(&kept), "{stretched} {kept}");
+    }
 }

@@ -1,9 +1,10 @@
 //! Records which bodies changed since the last step, and how.
 
 /// How a body changed since the last step. A greater value includes the smaller ones.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Change {
     /// The body did not change.
+    #[default]
     No,
     /// A step moved the body.
     Moved,
@@ -35,20 +36,23 @@ impl Changed {
         self.how.get(place as usize).copied().unwrap_or(Change::No)
     }
 
-    /// Records a change of the body in a slot.
-    pub(super) fn mark(&mut self, place: u32, change: Change) {
+    /// Records a change of the body in a slot, and returns the change that was known before.
+    #[inline]
+    pub(super) fn mark(&mut self, place: u32, change: Change) -> Change {
         let at = place as usize;
         if at >= self.how.len() {
             self.how.resize(at + 1, Change::No);
         }
-        if self.how[at] == Change::No && change != Change::No {
+        let before = self.how[at];
+        if before == Change::No && change != Change::No {
             // Bodies that come and go without a step list their slots again and again.
             if self.places.len() >= 2 * self.how.len() {
                 self.tidy();
             }
             self.places.push(place);
         }
-        self.how[at] = self.how[at].max(change);
+        self.how[at] = before.max(change);
+        before
     }
 
     /// Removes slots of bodies that did not change, and slots that are listed twice.

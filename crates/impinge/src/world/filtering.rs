@@ -23,6 +23,6 @@ impl World {
 
     fn refilter(&mut self) {
         let all: Vec<BodyId> = self.bodies().collect();
-        all.into_iter().for_each(|body| self.state.changed.mark(body.index() as u32, Change::Traits));
+        all.into_iter().for_each(|body| _ = self.state.changed.mark(body.index() as u32, Change::Traits));
     }
 }

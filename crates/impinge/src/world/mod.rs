@@ -38,6 +38,7 @@ mod filtering;
 mod margins;
 mod narrow;
 mod nearest;
+mod other;
 mod outline;
 mod pairs;
 mod placed;
@@ -76,6 +77,7 @@ use crate::mesh::{Aging, Positions};
 use crate::shape::Shape;
 use broad::Broad;
 use events::sorted;
+use other::Spare;
 use outline::{Bounds, Outline};
 use pairs::Link;
 use placed::Placed;
@@ -116,6 +118,8 @@ pub struct World {
     options: Options,
     filter: Option<Filter>,
     state: State,
+    /// Memory that a step uses and the next one uses again.
+    spare: Spare,
 }
 
 /// Everything in a world that steps change, as returned by [`World::save`].
@@ -137,7 +141,8 @@ impl World {
     /// Returns an empty world with these options.
     #[must_use]
     pub fn with_options(options: Options) -> Self {
-        Self { options, filter: None, state: State { broad: Broad::new(options.broad_phase), ..State::default() } }
+        let state = State { broad: Broad::new(options.broad_phase), ..State::default() };
+        Self { options, state, ..Self::default() }
     }
 
     /// Returns the options of the world.

@@ -13,12 +13,24 @@ pub(super) struct Placed {
 }
 
 /// A validated placement of a shape at another pose.
-#[derive(Clone, Debug)]
-pub(super) enum ValidPlacement {
+#[derive(Debug, Default)]
+pub(super) struct OtherPlacement {
     /// Placement of a shape of one part, of which only the pose changes.
-    Alone(Stand),
-    /// Placement of a compound, of which every part changes.
-    Compound(Box<Placed>),
+    stand: Stand,
+    /// Placement of a compound, of which every part changes. `None` for a shape of one part.
+    compound: Option<Box<Placed>>,
+}
+
+impl OtherPlacement {
+    /// Reports whether this is the placement of a compound.
+    pub(super) fn is_of_compound(&self) -> bool {
+        self.compound.is_some()
+    }
+
+    /// Frees the parts of a compound.
+    pub(super) fn clear(&mut self) {
+        self.compound = None;
+    }
 }
 
 impl Placed {
@@ -38,23 +50,19 @@ impl Placed {
         Self::new(&self.shape, world_from_body)
     }
 
-    /// Validates another pose, and returns the placement for [`swap`](Self::swap).
+    /// Validates another pose, and writes the placement for [`swap`](Self::swap).
     ///
     /// # Errors
     /// Returns the error of [`Shape::at`].
-    pub(super) fn validate_at(&self, world_from_body: &Pose) -> Result<ValidPlacement, InputError> {
-        match self.in_world.stand_at(world_from_body)? {
-            Some(stand) => Ok(ValidPlacement::Alone(stand)),
-            None => Ok(ValidPlacement::Compound(Box::new(self.moved(*world_from_body)?))),
-        }
+    pub(super) fn validate_at(&self, world_from_body: &Pose, other: &mut OtherPlacement) -> Result<(), InputError> {
+        let is_alone = self.in_world.write_stand(world_from_body, &mut other.stand)?;
+        other.compound = if is_alone { None } else { Some(Box::new(self.moved(*world_from_body)?)) };
+        Ok(())
     }
 
     /// Returns the shape and its pose as they will be after [`swap`](Self::swap).
-    pub(super) fn standing<'a>(&'a self, placement: &'a ValidPlacement) -> (&'a PlacedShape, &'a Stand) {
-        match placement {
-            ValidPlacement::Alone(stand) => (&self.in_world, stand),
-            ValidPlacement::Compound(placed) => placed.stands(),
-        }
+    pub(super) fn standing<'a>(&'a self, other: &'a OtherPlacement) -> (&'a PlacedShape, &'a Stand) {
+        other.compound.as_ref().map_or((&self.in_world, &other.stand), |placed| placed.stands())
     }
 
     /// Returns the shape and its current pose.
@@ -64,10 +72,10 @@ impl Placed {
 
     /// Moves the shape to a validated placement, which becomes the placement before the move. A
     /// shape of one part keeps its data, such as its mesh.
-    pub(super) fn swap(&mut self, placement: &mut ValidPlacement) {
-        match placement {
-            ValidPlacement::Alone(stand) => self.in_world.swap_stand(stand),
-            ValidPlacement::Compound(placed) => std::mem::swap(self, placed),
+    pub(super) fn swap(&mut self, other: &mut OtherPlacement) {
+        match &mut other.compound {
+            None => self.in_world.swap_stand(&mut other.stand),
+            Some(placed) => std::mem::swap(self, placed),
         }
     }
 

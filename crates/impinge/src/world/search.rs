@@ -41,7 +41,7 @@ impl World {
         known: &KnownPairs,
         budget: &Budget<'_>,
     ) -> Result<Candidates, WorldError> {
-        let search = Search { world: self, known };
+        let search = Search { world: self, known, are_bounded: self.state.broad.are_bounded(Among::All) };
         let of_chunk = |changed: &[u32]| -> Result<Candidates, WorldError> {
             let mut candidates = Candidates::default();
             for &place in changed {
@@ -133,6 +133,8 @@ impl<'w> Partners<'w> {
 struct Search<'w> {
     world: &'w World,
     known: &'w KnownPairs,
+    /// Whether a box bounds each body.
+    are_bounded: bool,
 }
 
 impl Search<'_> {
@@ -176,7 +178,8 @@ impl Search<'_> {
         let state = self.state();
         let links = state.pairs.of(index);
         let (asks_own, asks_across) = (self.asks(index, false), self.asks(index, true));
-        if !asks_across && links.is_empty() && state.broad.are_bounded(Among::All) {
+        let is_done = !asks_across && self.are_bounded;
+        if is_done && links.is_empty() {
             return Ok(()); // the common case if many bodies move
         }
         let bounds = state.bounds_of(index);
@@ -186,6 +189,9 @@ impl Search<'_> {
                 || is_filtered() && !self.world.may_collide(index, link.other);
             let list = if is_lost { &mut candidates.lost } else { &mut candidates.kept };
             list.try_push(link.pair)?;
+        }
+        if is_done {
+            return Ok(());
         }
         let partners = Partners::of(links);
         let mut pushed = Ok(());

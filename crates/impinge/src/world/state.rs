@@ -61,19 +61,19 @@ impl State {
         self.bounds.get(place as usize).unwrap_or(&Bounds::Nowhere)
     }
 
-    /// Stores new bounds of the body in a slot and returns the old ones. Does not update the broad
-    /// phase.
-    pub(super) fn replace_bounds(&mut self, place: u32, bounds: Bounds) -> Bounds {
+    /// Returns the bounds of the body in a slot, to change them. The broad phase does not follow.
+    #[inline]
+    pub(super) fn bounds_mut(&mut self, place: u32) -> &mut Bounds {
         let at = place as usize;
         if at >= self.bounds.len() {
             self.bounds.resize(at + 1, Bounds::Nowhere);
         }
-        std::mem::replace(&mut self.bounds[at], bounds)
+        &mut self.bounds[at]
     }
 
     /// Stores new bounds of the body of a kind in a slot, and updates the broad phase.
     pub(super) fn update_bounds(&mut self, kind: Kind, place: u32, bounds: Bounds) {
-        let before = self.replace_bounds(place, bounds);
+        let before = std::mem::replace(self.bounds_mut(place), bounds);
         self.update_structures(kind, place, &before, &bounds);
     }
 

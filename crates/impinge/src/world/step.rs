@@ -9,8 +9,8 @@ use super::broad::KnownPairs;
 use super::error::WorldError;
 use super::events::{Events, Work};
 use super::narrow::{Meeting, NarrowPhase};
-use super::outline::{Bounds, Extremes};
-use super::placed::ValidPlacement;
+use super::other::{Other, Taken};
+use super::outline::Bounds;
 use super::search::{Candidates, MAX_ALONE, MIN_TASK};
 use super::{Change, State, World, refused};
 use crate::budget::{Budget, Stopped};
@@ -128,14 +128,33 @@ impl World {
         budget: &Budget<'_>,
         observe: &mut dyn FnMut(Phase),
     ) -> Result<(), WorldError> {
-        let next = self.validate(moves, budget)?;
+        let mut spare = std::mem::take(&mut self.spare);
+        let done = self.advance_in(&mut spare.0, moves, budget, observe);
+        self.spare = spare;
+        done
+    }
+
+    /// Does a step in given memory.
+    fn advance_in(
+        &mut self,
+        others: &mut Vec<Other>,
+        moves: &[(BodyId, Pose)],
+        budget: &Budget<'_>,
+        observe: &mut dyn FnMut(Phase),
+    ) -> Result<(), WorldError> {
+        if others.len() < moves.len() {
+            others.try_reserve(moves.len() - others.len())?;
+            others.resize_with(moves.len(), Other::default);
+        }
+        let others = &mut others[..moves.len()];
+        self.validate(moves, others, budget)?;
         observe(Phase::Realign);
-        let mut taken = Taken { order: last_of_each(moves), bodies: next };
+        let mut taken = Taken::new(moves, others);
         let found = self.take(&mut taken, budget).map_err(WorldError::from).and_then(|known| {
             observe(Phase::Take);
             self.find(&known, budget, observe)
         });
-        match found {
+        let done = match found {
             Ok(found) => {
                 self.report(found);
                 observe(Phase::Report);
@@ -145,49 +164,39 @@ impl World {
                 self.take_back(&mut taken);
                 Err(error)
             }
-        }
+        };
+        taken.clear();
+        done
     }
 
-    /// Validates all moves, and returns the bodies in their new poses. An entry is `None` if the
-    /// body is already in this pose.
-    fn validate(&self, moves: &[(BodyId, Pose)], budget: &Budget<'_>) -> Result<Vec<Option<Next>>, WorldError> {
+    /// Validates all moves, and writes the placements of the bodies in their new poses.
+    fn validate(&self, moves: &[(BodyId, Pose)], others: &mut [Other], budget: &Budget<'_>) -> Result<(), WorldError> {
         let refused: Mutex<Option<(usize, WorldError)>> = Mutex::new(None);
-        let next = moves.par_iter().enumerate().with_min_len(MIN_TASK).map(|(at, (body, pose))| {
-            if at % PREFETCH_BATCH == 0 {
+        let is_large = moves.len() > MAX_ALONE;
+        let task = if is_large { MIN_TASK } else { MAX_ALONE };
+        moves.par_iter().zip(others).enumerate().with_min_len(task).for_each(|(at, ((body, pose), other))| {
+            if is_large && at % PREFETCH_BATCH == 0 {
                 let [now, after] = [at, at + PREFETCH_BATCH].map(|first| &moves[moves.len().min(first)..]);
                 self.prefetch(&now[..now.len().min(PREFETCH_BATCH)], &after[..after.len().min(PREFETCH_BATCH)]);
             }
-            let next = budget.check().map_err(WorldError::from).and_then(|()| self.next(*body, pose));
-            next.unwrap_or_else(|error| {
+            let written = budget.check().map_err(WorldError::from).and_then(|()| self.write_move(*body, pose, other));
+            if let Err(error) = written {
                 let mut refused = refused.lock().unwrap_or_else(PoisonError::into_inner);
                 if refused.as_ref().is_none_or(|&(first, _)| at < first) {
                     *refused = Some((at, error));
                 }
-                None
-            })
+            }
         });
-        let next = next.collect();
-        match refused.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            Some((_, error)) => Err(error),
-            None => Ok(next),
-        }
+        refused.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), |(_, error)| Err(error))
     }
 
-    /// Validates a move, and returns the body in its new pose, or `None` if it is already in this
-    /// pose.
-    fn next(&self, body: BodyId, pose: &Pose) -> Result<Option<Next>, WorldError> {
+    /// Validates a move, and writes the placement of the body in its new pose.
+    fn write_move(&self, body: BodyId, pose: &Pose, other: &mut Other) -> Result<(), WorldError> {
         let resident = self.resident(body)?;
         if resident.traits.kind == Kind::Static {
             return Err(WorldError::Static { body });
         }
-        if resident.placed.world_from_body() == pose {
-            return Ok(None);
-        }
-        let placement = resident.placed.validate_at(pose).map_err(|error| refused(body, error))?;
-        let mut extremes = resident.extremes;
-        let bounds = resident.outline.bounds(resident.placed.standing(&placement), &mut extremes);
-        let bounds = bounds.grown(resident.margin);
-        Ok(Some(Next { placement, bounds, extremes, change: Change::No }))
+        other.write(resident, pose).map_err(|error| refused(body, error))
     }
 
     /// Prefetches the bodies `after`, which move next, and the data that the bodies `now` refer to,
@@ -207,18 +216,19 @@ impl World {
     ///
     /// # Errors
     /// Returns an error if the broad phase ended early. The bodies have moved all the same.
-    fn take(&mut self, taken: &mut Taken, budget: &Budget<'_>) -> Result<KnownPairs, Stopped> {
+    fn take(&mut self, taken: &mut Taken<'_>, budget: &Budget<'_>) -> Result<KnownPairs, Stopped> {
         let state = &mut self.state;
         let (mut moving, mut guided) = (Vec::with_capacity(taken.order.len()), Vec::new());
+        let is_large = taken.order.len() > MAX_ALONE;
         for (nth, &(body, at)) in taken.order.iter().enumerate() {
-            if let Some(&(ahead, _)) = taken.order.get(nth + PREFETCH_BATCH) {
+            if is_large && let Some(&(ahead, _)) = taken.order.get(nth + PREFETCH_BATCH) {
                 state.residents.prefetch(ahead);
             }
-            let Some(next) = &mut taken.bodies[at as usize] else { continue };
-            let Some((kind, before, now)) = state.exchange(body, next) else { continue };
+            let other = &mut taken.others[at as usize];
+            let Some(kind) = state.exchange(body, other) else { continue };
             let place = body.index() as u32;
-            next.change = state.changed.of(place);
-            state.changed.mark(place, Change::Moved);
+            other.change = state.changed.mark(place, Change::Moved);
+            let (before, now) = (other.bounds, *state.bounds_of(place));
             match (&before, &now) {
                 _ if before == now => {}
                 (Bounds::Box(_), Bounds::Box(bounds)) => {
@@ -237,14 +247,15 @@ impl World {
     }
 
     /// Moves the bodies back to where they were before [`take`](Self::take).
-    fn take_back(&mut self, taken: &mut Taken) {
+    fn take_back(&mut self, taken: &mut Taken<'_>) {
         let state = &mut self.state;
         for &(body, at) in &taken.order {
-            let Some(before) = &mut taken.bodies[at as usize] else { continue };
-            let Some((kind, from, to)) = state.exchange(body, before) else { continue };
+            let other = &mut taken.others[at as usize];
+            let Some(kind) = state.exchange(body, other) else { continue };
             let place = body.index() as u32;
-            state.update_structures(kind, place, &from, &to);
-            state.changed.set_back(place, before.change);
+            let now = *state.bounds_of(place);
+            state.update_structures(kind, place, &other.bounds, &now);
+            state.changed.set_back(place, other.change);
         }
     }
 
@@ -331,34 +342,19 @@ impl World {
 }
 
 impl State {
-    /// Exchanges the placement of a body with another. Returns the kind of the body, its bounds
-    /// before, and its bounds now. Does not update the broad phase.
-    fn exchange(&mut self, body: BodyId, next: &mut Next) -> Option<(Kind, Bounds, Bounds)> {
+    /// Exchanges the placement of a body that moves with another. Returns the kind of the body, or
+    /// `None` if it does not move. Does not update the broad phase.
+    #[inline]
+    fn exchange(&mut self, body: BodyId, other: &mut Other) -> Option<Kind> {
+        if !other.moves {
+            return None;
+        }
+        std::mem::swap(self.bounds_mut(body.index() as u32), &mut other.bounds);
         let resident = self.residents.get_mut(body)?;
-        resident.placed.swap(&mut next.placement);
-        std::mem::swap(&mut resident.extremes, &mut next.extremes);
-        let kind = resident.traits.kind;
-        let now = next.bounds;
-        next.bounds = self.replace_bounds(body.index() as u32, now);
-        Some((kind, next.bounds, now))
+        resident.placed.swap(&mut other.placement);
+        std::mem::swap(&mut resident.extremes, &mut other.extremes);
+        Some(resident.traits.kind)
     }
-}
-
-/// The parts of a body that a step changes: after the step, or before it once the body moved.
-struct Next {
-    placement: ValidPlacement,
-    bounds: Bounds,
-    extremes: Extremes,
-    /// Change of the body before it moved.
-    change: Change,
-}
-
-/// The bodies that a step moves.
-struct Taken {
-    /// Bodies in order, each with the index of its last move.
-    order: Vec<(BodyId, u32)>,
-    /// The body of each move in its other placement. `None` if the body is already in this pose.
-    bodies: Vec<Option<Next>>,
 }
 
 /// Everything that a step found, before it is stored.
@@ -368,18 +364,4 @@ struct Found {
     candidates: Candidates,
     /// Results of the pairs that persist, then of the pairs that are new.
     meetings: Vec<Option<Meeting>>,
-}
-
-/// Returns the bodies that move, in order, each with the index of its last move in the list.
-fn last_of_each(moves: &[(BodyId, Pose)]) -> Vec<(BodyId, u32)> {
-    let mut order: Vec<(BodyId, u32)> = (0..).zip(moves).map(|(at, &(body, _))| (body, at)).collect();
-    order.sort_unstable();
-    order.dedup_by(|later, kept| {
-        let is_same = later.0 == kept.0;
-        if is_same {
-            *kept = *later;
-        }
-        is_same
-    });
-    order
 }

@@ -76,7 +76,10 @@ impl State {
         let Some(surface) = self.surface_of(place) else { return };
         let mut neighbors = Vec::new();
         self.for_each_of_surface(surface, &self.surroundings_of(place), &mut |other| neighbors.push(other));
-        neighbors.into_iter().filter(|&other| other != place).for_each(|other| self.changed.mark(other, Change::Moved));
+        neighbors
+            .into_iter()
+            .filter(|&other| other != place)
+            .for_each(|other| _ = self.changed.mark(other, Change::Moved));
     }
 }
 
