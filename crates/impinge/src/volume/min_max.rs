@@ -37,17 +37,22 @@ impl MinMax {
     /// [`OutOfRange`](InputErrorKind::OutOfRange) (beyond 2^320) with the index of the coordinate;
     /// those of `max` count from 3. Returns [`Negative`](InputErrorKind::Negative) with the axis on
     /// which `min` exceeds `max`.
+    #[inline]
     pub fn new(min: [f64; 3], max: [f64; 3]) -> Result<Self, InputError> {
         // Valid boxes pass without a branch per axis, because worlds build many boxes. NaN fails
         // the comparisons.
         if (0..3).fold(true, |is_box, k| is_box & (-LIMIT <= min[k]) & (min[k] <= max[k]) & (max[k] <= LIMIT)) {
             return Ok(Self { min, max });
         }
-        in_range("box coordinate", min.into_iter().chain(max))?;
-        match (0..3).find(|&axis| min[axis] > max[axis]) {
-            Some(index) => Err(InputError::new(InputErrorKind::Negative { what: "box extent", index })),
-            None => Ok(Self { min, max }),
-        }
+        Err(Self::defect_of(min, max))
+    }
+
+    /// Returns the reason why two corners have no box between them.
+    #[cold]
+    fn defect_of(min: [f64; 3], max: [f64; 3]) -> InputError {
+        let index = (0..3).find(|&axis| min[axis] > max[axis]).unwrap_or(0);
+        let of_extent = || InputError::new(InputErrorKind::Negative { what: "box extent", index });
+        in_range("box coordinate", min.into_iter().chain(max)).err().unwrap_or_else(of_extent)
     }
 
     /// Converts a box from single precision, exactly. Returns `None` if it is empty or not finite.
@@ -79,6 +84,12 @@ impl MinMax {
     #[must_use]
     pub fn min(&self) -> [f64; 3] {
         self.min
+    }
+
+    /// Returns the smallest and the largest coordinate on an axis.
+    #[inline]
+    pub(crate) fn ends(&self, axis: usize) -> [f64; 2] {
+        [self.min[axis], self.max[axis]]
     }
 
     /// Returns the largest coordinate on each axis.

@@ -195,15 +195,18 @@ impl Boxes {
             Structure::Grid(grid) => &mut **grid,
             Structure::OneAxis(sweep) => &mut **sweep,
             Structure::ThreeAxes(sweep) => &mut **sweep,
-            structure => {
-                moves.iter().for_each(|step| step.to.iter().for_each(|bounds| structure.insert(step.key, bounds)));
-                return match structure {
-                    Structure::Columns(columns) => columns.pairs(budget).map(KnownPairs::All),
-                    Structure::Every(every) if moves.len() as f64 > SHARE_FOR_SWEEP * every.boxes().len() as f64 => {
-                        every.pairs(budget).map(KnownPairs::All)
-                    }
-                    _ => Ok(KnownPairs::Nothing),
-                };
+            Structure::Columns(columns) => {
+                columns.boxes.update(moves);
+                return columns.pairs(budget).map(KnownPairs::All);
+            }
+            Structure::Every(every) => {
+                every.update(moves);
+                let is_sweep = moves.len() as f64 > SHARE_FOR_SWEEP * every.boxes().len() as f64;
+                return if is_sweep { every.pairs(budget).map(KnownPairs::All) } else { Ok(KnownPairs::Nothing) };
+            }
+            Structure::Tree(tree) => {
+                moves.iter().for_each(|step| step.to.iter().for_each(|bounds| _ = tree.insert(step.key, *bounds)));
+                return Ok(KnownPairs::Nothing);
             }
         };
         let mut changes = Changes::default();

@@ -2,7 +2,7 @@
 //! other kinds. If many boxes moved, all pairs are found together, by a sort and a sweep.
 
 use crate::budget::{Budget, Stopped};
-use crate::partition::Ray;
+use crate::partition::{Move, Ray};
 use crate::storage::TryPush;
 use crate::volume::{BoundingVolume, MinMax};
 
@@ -35,6 +35,7 @@ impl Every {
     }
 
     /// Inserts the box of a body, or replaces it.
+    #[inline]
     pub(super) fn insert(&mut self, body: u32, bounds: &MinMax) {
         if self.places.len() <= body as usize {
             self.places.resize(body as usize + 1, NONE);
@@ -46,6 +47,15 @@ impl Every {
                 *place = self.boxes.len() as u32;
                 self.boxes.push(*bounds);
                 self.bodies.push(body);
+            }
+        }
+    }
+
+    /// Replaces the boxes that moved.
+    pub(super) fn update(&mut self, moves: &[Move]) {
+        for Move { key, to } in moves {
+            if let Some(bounds) = to {
+                self.insert(*key, bounds);
             }
         }
     }
@@ -76,18 +86,23 @@ impl Every {
     /// Returns an error if the budget ended the sweep, or if there is not enough memory.
     pub(super) fn pairs(&self, budget: &Budget<'_>) -> Result<Vec<[u32; 2]>, Stopped> {
         let axis = self.widest_axis();
-        let mut order: Vec<(f64, u32)> = Vec::new();
+        let mut order: Vec<(i64, u32)> = Vec::new();
         order.try_reserve_exact(self.boxes.len())?;
-        order.extend((0..).zip(&self.boxes).map(|(place, bounds)| (bounds.min()[axis], place)));
-        order.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
+        order.extend((0..).zip(&self.boxes).map(|(place, bounds)| (order_of(bounds.ends(axis)[0]), place)));
+        order.sort_unstable_by_key(|&(begin, _)| begin);
+        let mut sorted: Vec<(MinMax, u32)> = Vec::new();
+        sorted.try_reserve_exact(order.len())?;
+        sorted.extend(order.iter().map(|&(_, place)| (self.boxes[place as usize], self.bodies[place as usize])));
         let mut pairs = Vec::new();
-        for (at, &(_, place)) in order.iter().enumerate() {
+        for (at, (bounds, body)) in sorted.iter().enumerate() {
             budget.check()?;
-            let (bounds, body) = (&self.boxes[place as usize], self.bodies[place as usize]);
-            let end = bounds.max()[axis];
-            for &(_, other) in order[at + 1..].iter().take_while(|(begin, _)| *begin <= end) {
-                if self.boxes[other as usize].overlaps(bounds) {
-                    pairs.try_push([body, self.bodies[other as usize]])?;
+            let end = bounds.ends(axis)[1];
+            for (other, other_body) in &sorted[at + 1..] {
+                if other.ends(axis)[0] > end {
+                    break;
+                }
+                if other.overlaps(bounds) {
+                    pairs.try_push([*body, *other_body])?;
                 }
             }
         }
@@ -96,13 +111,16 @@ impl Every {
 
     /// Returns the axis on which the centers of the boxes vary most.
     fn widest_axis(&self) -> usize {
-        let spread = |axis: usize| {
-            let center = |bounds: &MinMax| bounds.min()[axis] + bounds.max()[axis];
-            let ends = |[low, high]: [f64; 2], at: f64| [low.min(at), high.max(at)];
-            let [low, high] = self.boxes.iter().map(center).fold([f64::INFINITY, f64::NEG_INFINITY], ends);
-            high - low
-        };
-        let spreads = [0, 1, 2].map(spread);
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for bounds in &self.boxes {
+            for axis in 0..3 {
+                let [begin, end] = bounds.ends(axis);
+                let center = begin + end;
+                low[axis] = if center < low[axis] { center } else { low[axis] };
+                high[axis] = if center > high[axis] { center } else { high[axis] };
+            }
+        }
+        let spreads = [0, 1, 2].map(|axis| high[axis] - low[axis]);
         (1..3).fold(0, |widest, axis| if spreads[axis] > spreads[widest] { axis } else { widest })
     }
 
@@ -114,6 +132,14 @@ impl Every {
             }
         }
     }
+}
+
+/// Returns an integer that is ordered as [`f64::total_cmp`] orders numbers. Sorting integers takes
+/// fewer instructions.
+#[inline]
+fn order_of(x: f64) -> i64 {
+    let bits = x.to_bits() as i64;
+    bits ^ ((bits >> 63) as u64 >> 1) as i64
 }
 
 #[cfg(test)]
@@ -148,6 +174,17 @@ mod tests {
             assert_eq!(pairs, expected);
         }
         assert!(found > 3000 && apart > 10_000, "{found} {apart}");
+    }
+
+    #[test]
+    fn integers_are_ordered_as_numbers() {
+        let mut rng = Rng::new(18);
+        let numbers = [0.0, -0.0, 1.0, -1.0, 5e-324, f64::MAX, f64::MIN, f64::NEG_INFINITY];
+        let any = (0..200).map(|_| rng.uniform(-2.0, 2.0));
+        let all: Vec<f64> = numbers.into_iter().chain(any).collect();
+        for (x, y) in all.iter().flat_map(|x| all.iter().map(move |y| (*x, *y))) {
+            assert_eq!(order_of(x).cmp(&order_of(y)), x.total_cmp(&y), "{x} {y}");
+        }
     }
 
     #[test]
