@@ -49,7 +49,7 @@ impl NarrowPhase {
             return None;
         }
         let manifolds = match self {
-            Self::Contacts if !budget.is_spent() => query().contacts(a.in_world(), b.in_world()),
+            Self::Contacts if !budget.is_spent() => query().contacts_of_near(a.in_world(), b.in_world()),
             Self::Boxes | Self::Intersections | Self::Contacts => Vec::new(),
         };
         Some(Meeting { proximity, manifolds })

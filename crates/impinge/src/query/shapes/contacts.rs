@@ -110,22 +110,38 @@ impl Query<'_> {
     #[must_use]
     pub fn contacts<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<Manifold> {
         let (a, b) = (a.into(), b.into());
-        let ContactOptions { margin, most_points } = self.contacts;
-        let found = contacts_within(&a.shape(), &b.shape(), margin.max(0.0), self.options.budget);
-        found.into_iter().map(|of_parts| manifold(of_parts, most_points)).collect()
+        let found = contacts_within(&a.shape(), &b.shape(), self.contacts.margin.max(0.0), self.options.budget);
+        self.manifolds(found)
+    }
+
+    /// Computes the contacts of two shapes that are known to be at most the margin apart, as
+    /// [`contacts`](Self::contacts) does.
+    pub(crate) fn contacts_of_near(self, a: &PlacedShape, b: &PlacedShape) -> Vec<Manifold> {
+        let found = contacts_of_near(a, b, self.contacts.margin.max(0.0), self.options.budget);
+        self.manifolds(found)
+    }
+
+    fn manifolds(&self, found: Vec<OfParts>) -> Vec<Manifold> {
+        found.into_iter().map(|of_parts| manifold(of_parts, self.contacts.most_points)).collect()
     }
 }
 
 /// Returns the contacts of two shapes within a margin, with the parts that they belong to. If the
 /// budget is spent, some are missing.
 fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Budget<'_>) -> Vec<OfParts> {
-    if let ([a], [b]) = (a.parts(), b.parts()) {
-        if budget.is_spent()
+    if let ([a], [b]) = (a.parts(), b.parts())
+        && (budget.is_spent()
             || gap_of_boxes(a, b) > margin
-            || nearness_of_parts(a, b, margin, budget) == Proximity::Apart
-        {
-            return Vec::new();
-        }
+            || nearness_of_parts(a, b, margin, budget) == Proximity::Apart)
+    {
+        return Vec::new();
+    }
+    contacts_of_near(a, b, margin, budget)
+}
+
+/// Returns the contacts of two shapes that are at most `margin` apart, as [`contacts_within`] does.
+fn contacts_of_near(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Budget<'_>) -> Vec<OfParts> {
+    if let ([a], [b]) = (a.parts(), b.parts()) {
         return contacts_of_parts(a, b, margin, budget).into_iter().map(OfParts::alone).collect();
     }
     let mut found = with_seams(a, b, [0, 1], [a, b], margin, budget);
