@@ -185,13 +185,15 @@ impl<'d> Slabs<'d> {
     pub(super) fn depth(&self, width: f64) -> Option<CoreDepth> {
         let (mut lower, mut upper, mut direction) = (f64::INFINITY, f64::INFINITY, [0.0; 3]);
         for &pair in self.pairs() {
-            if self.are_parallel(pair) {
-                continue;
-            }
             let slab = self.slab(pair);
             let across = length(&slab.normal);
             let least = (slab.height - slab.error) / (across + slab.off);
             if least.is_nan() || least <= 0.0 || !across.is_normal() {
+                // Parallel half edges have no slab. Their exact product is zero, so their height is
+                // at most its error, and they always get here.
+                if self.are_parallel(pair) {
+                    continue;
+                }
                 return None;
             }
             lower = lower.min(least * (1.0 - SLACK));
