@@ -37,7 +37,7 @@ impl Beside<'_> {
     /// Returns all faces that are within `margin` of the set, in world units, and maybe others that
     /// are near.
     pub(super) fn near_faces(&self, surface: &Surface<'_>, margin: f64) -> Vec<NearFace> {
-        let heights = ([0.0; 3], [0.0; 2]);
+        let heights = ([0.0; 3], Heights::default());
         let mut search = Touching { surface, beside: self, center: self.center(), margin, heights, found: Vec::new() };
         surface.mesh.search(&mut search);
         search.found
@@ -50,8 +50,8 @@ struct Touching<'q> {
     beside: &'q Beside<'q>,
     center: Vector,
     margin: f64,
-    /// A direction, and the least and greatest height of the set along it.
-    heights: (Vector, [f64; 2]),
+    /// A direction, and the heights of the set along it.
+    heights: (Vector, Heights),
     found: Vec<NearFace>,
 }
 
@@ -72,10 +72,10 @@ impl FaceSearch for Touching<'_> {
             return Continue(());
         }
         if let Some(normal) = normal_of(self.surface, &corners) {
-            let [lowest, highest] = self.set_along(normal);
+            let Heights { least, greatest, error } = self.set_along(normal);
             let level = dot(&normal, &corners[0]);
-            let less = (highest - level).min(level - lowest);
-            if (below(less) + 16.0 * pair.height_error(normal)) * pair.unit < -self.margin {
+            let less = (greatest - level).min(level - least);
+            if (below(less) + 16.0 * error) * pair.unit < -self.margin {
                 return Continue(());
             }
         }
@@ -87,15 +87,32 @@ impl FaceSearch for Touching<'_> {
 }
 
 impl Touching<'_> {
-    /// Returns the least and the greatest height of the set along a direction. Neighboring faces
-    /// often have the same one.
-    fn set_along(&mut self, direction: Vector) -> [f64; 2] {
+    /// Returns the heights of the set along a direction. Neighboring faces often have the same
+    /// normal.
+    #[inline]
+    fn set_along(&mut self, direction: Vector) -> Heights {
         if self.heights.0 != direction {
-            let (set, radius) = (&self.beside.pair().b, self.beside.radius());
-            let height = |direction: Vector| dot(&direction, &set.support(direction).point) + radius;
-            self.heights = (direction, [-height(direction.map(|x| -x)), height(direction)]);
+            self.heights = (direction, Heights::of(self.beside, direction));
         }
         self.heights.1
+    }
+}
+
+/// Heights of a set along a direction.
+#[derive(Clone, Copy, Default)]
+struct Heights {
+    least: f64,
+    greatest: f64,
+    /// Bound on the error of a height.
+    error: f64,
+}
+
+impl Heights {
+    fn of(beside: &Beside<'_>, direction: Vector) -> Self {
+        let (pair, radius) = (beside.pair(), beside.radius());
+        let height = |direction: Vector| dot(&direction, &pair.b.support(direction).point) + radius;
+        let [least, greatest] = [-height(direction.map(|x| -x)), height(direction)];
+        Self { least, greatest, error: pair.height_error(direction) }
     }
 }
 

@@ -12,6 +12,7 @@ use crate::hull::Hull;
 use crate::math::Pose;
 use crate::math::relative::{Offset, UNDERFLOW, UNIT_ROUNDOFF};
 use crate::math::vec3::{dot, length};
+use crate::simd::by_axis;
 
 /// A convex shape without its radius.
 #[derive(Clone, Copy, Debug)]
@@ -276,12 +277,10 @@ impl Posed<'_> {
         self.pose
     }
 
+    #[inline]
     pub(super) fn spot(&self, local: [f64; 3]) -> Spot {
-        let point = std::array::from_fn(|k| {
-            let row = self.pose.linear()[k];
-            (dot(&row, &local) + self.offset[k]) * self.scale
-        });
-        Spot { local, point }
+        let linear = self.pose.linear();
+        Spot { local, point: by_axis!(k => (dot(&linear[k], &local) + self.offset[k]) * self.scale) }
     }
 
     /// Returns a farthest point along a direction of the common frame.

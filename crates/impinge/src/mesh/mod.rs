@@ -38,7 +38,7 @@ mod triangle_mesh;
 
 pub use decomposition::{ConvexPart, ConvexParts, DecompositionOptions};
 pub(crate) use derived::facets::{FacetPlane, Facets};
-pub(crate) use derived::topology::{Across, Components, DisjointSets};
+pub(crate) use derived::topology::{Across, Components, DisjointSets, FaceAcross};
 pub(crate) use distance::{WarmStart, nearest, within};
 pub(crate) use faces::Faces;
 pub(crate) use height_field::Crop;

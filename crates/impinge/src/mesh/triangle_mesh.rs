@@ -156,7 +156,12 @@ impl Mesh {
     /// # Complexity
     /// O(n log n) at the first call, then constant.
     pub(crate) fn across(&self, face: u32) -> [Across; 3] {
-        self.topology().across(self.faces(), face)
+        self.all_across()[face as usize]
+    }
+
+    /// Returns what lies across the edges of each face, as [`across`](Self::across) does.
+    pub(crate) fn all_across(&self) -> &[[Across; 3]] {
+        self.topology().across(self.faces())
     }
 
     /// Returns access to the packets of the leaves.

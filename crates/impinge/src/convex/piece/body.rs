@@ -9,7 +9,7 @@
 
 use super::polytope::{Polytope, named};
 use super::touched::Touched;
-use super::{ALL_CORNERS, OrientedFace, Piece};
+use super::{ALL_CORNERS, Connected, OrientedFace, Piece};
 use crate::convex::manifold::{Contacts, Faceted, contacts, contacts_along, depth_along};
 use crate::convex::posed::to_unit_length;
 use crate::math::Pose;
@@ -106,15 +106,14 @@ impl PlacedPiece<'_> {
     fn grow(&mut self, direction: &[f64; 3]) -> bool {
         let along = self.turned(direction);
         let slack = self.piece.slack * length(&along);
-        let mesh = self.piece.mesh;
+        let Connected { mesh, first_at, .. } = self.piece.mesh;
         let base = self.piece.planes[0].base;
         let height = |point: &[f64; 3]| dot(&along, &sub(point, &base));
-        let position = |vertex: u32| mesh.positions().get(vertex as usize);
+        let position = |vertex: u32| self.piece.mesh.position(vertex);
         let top = self.polytope.vertices().map(|vertex| height(&position(vertex))).fold(f64::NEG_INFINITY, f64::max);
         let highest: Vec<u32> =
             self.polytope.vertices().filter(|&vertex| height(&position(vertex)) >= top - slack).collect();
         let is_flipped = self.piece.faces[0].is_flipped;
-        let first_at = &mesh.topology().first_at;
         let mut has_grown = false;
         for vertex in highest {
             for &face in mesh.faces_at(first_at[vertex as usize]) {
@@ -147,7 +146,7 @@ impl PlacedPiece<'_> {
     fn rename(&self, contacts: &mut Contacts, side: usize) {
         for contact in &mut contacts.contacts {
             let point = local(self.touched.pose(), &contact.points[side]);
-            contact.features[side] = named(self.piece.mesh, contact.features[side], &point);
+            contact.features[side] = named(self.piece.mesh.mesh, contact.features[side], &point);
         }
     }
 }

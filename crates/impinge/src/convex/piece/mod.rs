@@ -21,7 +21,7 @@ mod touched;
 
 use crate::budget::Budget;
 use crate::math::vec3::{cross, dot, sub};
-use crate::mesh::{Across, Mesh, Positions};
+use crate::mesh::{Across, FaceAcross, Mesh, Positions};
 
 use super::posed::to_unit_length;
 pub(crate) use body::{Body, contacts_of_bodies};
@@ -77,11 +77,68 @@ enum Beyond {
 struct Neighbor {
     face: OrientedFace,
     /// Number of the corner that is not on the edge.
-    opposite: usize,
+    opposite: u8,
 }
 
 /// All corners of a face.
-const ALL_CORNERS: &[usize] = &[0, 1, 2];
+const ALL_CORNERS: &[u8] = &[0, 1, 2];
+
+/// A mesh with its connectivity, as slices, because pieces read them for every face.
+#[derive(Clone, Copy, Debug)]
+struct Connected<'m> {
+    mesh: &'m Mesh,
+    positions: &'m Positions,
+    /// Vertices of each face.
+    faces: &'m [[u32; 3]],
+    /// For each vertex the first vertex at its position.
+    first_at: &'m [u32],
+    across: &'m [[Across; 3]],
+}
+
+impl<'m> Connected<'m> {
+    fn new(mesh: &'m Mesh) -> Self {
+        let (positions, first_at) = (mesh.positions(), &mesh.topology().first_at);
+        Self { mesh, positions, faces: mesh.faces(), first_at, across: mesh.all_across() }
+    }
+
+    #[inline]
+    fn position(&self, vertex: u32) -> [f64; 3] {
+        self.positions.get(vertex as usize)
+    }
+
+    #[inline]
+    fn corners(&self, face: u32) -> [[f64; 3]; 3] {
+        let [p, q, r] = self.faces[face as usize];
+        [self.position(p), self.position(q), self.position(r)]
+    }
+
+    /// Returns the plane of a face, or `None` if the face has no area.
+    #[inline]
+    fn plane(&self, of: OrientedFace) -> Option<Plane> {
+        plane_of(&self.corners(of.face), of.is_flipped)
+    }
+
+    /// Returns the surface beyond each edge of a face. Edge k runs from corner k to the next.
+    #[inline]
+    fn beyond(&self, of: OrientedFace) -> [Beyond; 3] {
+        self.across[of.face as usize].map(|across| match across {
+            Across::Nothing => Beyond::Nothing,
+            Across::Several => Beyond::Unclear,
+            Across::Face(FaceAcross { face, opposite, runs_along }) => {
+                let face = OrientedFace { face, is_flipped: of.is_flipped != runs_along };
+                Beyond::Face(Neighbor { face, opposite })
+            }
+        })
+    }
+}
+
+/// Returns the plane of a face with these corners, or `None` if the face has no area.
+#[inline]
+fn plane_of([p, q, r]: &[[f64; 3]; 3], is_flipped: bool) -> Option<Plane> {
+    let area = cross(&sub(q, p), &sub(r, p));
+    let sign = if is_flipped { -1.0 } else { 1.0 };
+    (area != [0.0; 3]).then(|| Plane { normal: to_unit_length(area.map(|x| sign * x)), base: *p, is_of_face: true })
+}
 
 /// Faces in the order in which pieces start with them.
 pub(crate) trait Seeds {
@@ -98,7 +155,7 @@ impl<I: Iterator<Item = OrientedFace>> Seeds for I {
 /// A group of faces in convex position.
 #[derive(Debug)]
 pub(crate) struct Piece<'m> {
-    mesh: &'m Mesh,
+    mesh: Connected<'m>,
     faces: Vec<OrientedFace>,
     planes: Vec<Plane>,
     /// Corners of the faces, by the first vertex at each position, each with the number of the
@@ -107,30 +164,21 @@ pub(crate) struct Piece<'m> {
     slack: f64,
 }
 
-impl<'m> Piece<'m> {
+impl Piece<'_> {
     /// Returns the faces of the piece.
     pub(crate) fn faces(&self) -> impl Iterator<Item = u32> {
         self.faces.iter().map(|face| face.face)
     }
 
-    fn positions(&self, face: u32) -> [[f64; 3]; 3] {
-        self.mesh.corners(face)
-    }
-
-    fn plane(&self, of: OrientedFace) -> Option<Plane> {
-        let [p, q, r] = self.positions(of.face);
-        let area = cross(&sub(&q, &p), &sub(&r, &p));
-        let sign = if of.is_flipped { -1.0 } else { 1.0 };
-        (area != [0.0; 3]).then(|| Plane { normal: to_unit_length(area.map(|x| sign * x)), base: p, is_of_face: true })
-    }
-
     /// Adds a face if the piece stays in convex position, and returns the surface beyond its edges.
     /// Returns `None` if the face was not added. `new_corners` are the numbers of its corners that
     /// may not be in the piece. The others are known to be below all planes.
-    fn add(&mut self, face: OrientedFace, new_corners: &[usize]) -> Option<[Beyond; 3]> {
-        let own = self.plane(face)?;
-        let (corners, slack) = (self.positions(face.face), self.slack);
-        if self.planes.iter().any(|plane| new_corners.iter().any(|&at| plane.height(&corners[at]) > slack)) {
+    fn add(&mut self, face: OrientedFace, new_corners: &[u8]) -> Option<[Beyond; 3]> {
+        let (mesh, slack) = (self.mesh, self.slack);
+        let corners = mesh.corners(face.face);
+        let own = plane_of(&corners, face.is_flipped)?;
+        let is_above = |plane: &Plane, at: u8| plane.height(&corners[usize::from(at)]) > slack;
+        if self.planes.iter().any(|plane| new_corners.iter().any(|&at| is_above(plane, at))) {
             return None;
         }
         let known = self.planes.iter().position(|plane| plane.holds(&corners, &own.normal, slack));
@@ -138,7 +186,7 @@ impl<'m> Piece<'m> {
         if known.is_none() {
             new.push(own);
         }
-        let surroundings = beyond(self.mesh, face);
+        let surroundings = mesh.beyond(face);
         for (edge, beyond) in surroundings.into_iter().enumerate() {
             let ends = [corners[edge], corners[(edge + 1) % 3]];
             let bound = match beyond {
@@ -150,10 +198,11 @@ impl<'m> Piece<'m> {
                 }
                 Beyond::Face(Neighbor { face, opposite }) => {
                     // The corners on the edge are in the plane.
-                    if own.height(&self.positions(face.face)[opposite]) >= -slack {
+                    let opposite = mesh.faces[face.face as usize][usize::from(opposite)];
+                    if own.height(&mesh.position(opposite)) >= -slack {
                         continue;
                     }
-                    let Some(plane) = self.plane(face) else { continue };
+                    let Some(plane) = mesh.plane(face) else { continue };
                     Plane { is_of_face: false, ..plane }
                 }
             };
@@ -163,9 +212,7 @@ impl<'m> Piece<'m> {
             }
         }
         if !new.is_empty() {
-            let positions = self.mesh.positions();
-            let is_above =
-                |plane: &Plane| self.corners.iter().any(|&(at, _)| plane.height(&positions.get(at as usize)) > slack);
+            let is_above = |plane: &Plane| self.corners.iter().any(|&(at, _)| plane.height(&mesh.position(at)) > slack);
             let is_full = self.planes.len() + new.len() > MAX_PLANES && !self.planes.is_empty();
             if is_full || new.iter().any(is_above) {
                 return None;
@@ -176,9 +223,10 @@ impl<'m> Piece<'m> {
             self.planes[known].is_of_face = true;
         }
         self.planes.extend(new);
-        let first_at = &self.mesh.topology().first_at;
-        let vertices = &self.mesh.faces()[face.face as usize];
-        self.corners.extend(new_corners.iter().map(|&at| (first_at[vertices[at] as usize], plane as u32)));
+        let vertices = mesh.faces[face.face as usize];
+        for &at in new_corners {
+            self.corners.push((mesh.first_at[vertices[usize::from(at)] as usize], plane as u32));
+        }
         self.faces.push(face);
         Some(surroundings)
     }
@@ -186,27 +234,6 @@ impl<'m> Piece<'m> {
 
 fn is_same_direction(one: &Plane, other: &Plane) -> bool {
     dot(&one.normal, &other.normal) > 1.0 - 1.0 / (1 << 20) as f64
-}
-
-/// Returns the surface beyond each edge of a face. Edge k runs from corner k to the next.
-fn beyond(mesh: &Mesh, of: OrientedFace) -> [Beyond; 3] {
-    let first_at = &mesh.topology().first_at;
-    let corners = |face: u32| {
-        let [a, b, c] = mesh.faces()[face as usize];
-        [first_at[a as usize], first_at[b as usize], first_at[c as usize]]
-    };
-    let (own, across) = (corners(of.face), mesh.across(of.face));
-    [0, 1, 2].map(|edge| match across[edge] {
-        Across::Nothing => Beyond::Nothing,
-        Across::Several => Beyond::Unclear,
-        Across::Face(other) => {
-            let (from, to, there) = (own[edge], own[(edge + 1) % 3], corners(other));
-            let runs_along = (0..3).any(|at| there[at] == from && there[(at + 1) % 3] == to);
-            let face = OrientedFace { face: other, is_flipped: of.is_flipped != runs_along };
-            let opposite = (0..3).find(|&at| there[at] != from && there[at] != to).unwrap_or(0);
-            Beyond::Face(Neighbor { face, opposite })
-        }
-    })
 }
 
 /// Divides some faces of a mesh into convex pieces. A piece starts with the first seed that is in
@@ -221,7 +248,8 @@ pub(crate) fn pieces<'m>(mesh: &'m Mesh, faces: &[u32], mut seeds: impl Seeds, b
     /// Number of faces between two looks at the budget: about 100 microseconds.
     const FACES_PER_LOOK: usize = 64;
     let mut listed = Listed::new(faces);
-    let slack = slack(mesh, faces);
+    let mesh = Connected::new(mesh);
+    let slack = slack(&mesh, faces);
     let mut found = Vec::new();
     while listed.has_open()
         && let Some(given) = seeds.next(&|face| !listed.is_open(face))
@@ -230,7 +258,7 @@ pub(crate) fn pieces<'m>(mesh: &'m Mesh, faces: &[u32], mut seeds: impl Seeds, b
             break;
         }
         let mut seed = given;
-        for beyond in beyond(mesh, given) {
+        for beyond in mesh.beyond(given) {
             if let Beyond::Face(Neighbor { face: other, .. }) = beyond
                 && let Some(is_flipped) = listed.flipped_in_piece(other.face)
             {
@@ -265,20 +293,20 @@ pub(crate) fn pieces<'m>(mesh: &'m Mesh, faces: &[u32], mut seeds: impl Seeds, b
 
 /// Returns the height above a plane up to which a corner counts as in it. It is larger than the
 /// rounding of the coordinates.
-fn slack(mesh: &Mesh, faces: &[u32]) -> f64 {
+fn slack(mesh: &Connected<'_>, faces: &[u32]) -> f64 {
     /// Part of the size of the faces: 2^-32. Less would cut rounded planes into pieces. More would
     /// take low steps for flat.
     const OF_SIZE: f64 = 1.0 / (1_u64 << 32) as f64;
     let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     for corner in faces.iter().flat_map(|&face| mesh.corners(face)) {
         for k in 0..3 {
-            bounds[0][k] = bounds[0][k].min(corner[k]);
-            bounds[1][k] = bounds[1][k].max(corner[k]);
+            bounds[0][k] = if corner[k] < bounds[0][k] { corner[k] } else { bounds[0][k] };
+            bounds[1][k] = if corner[k] > bounds[1][k] { corner[k] } else { bounds[1][k] };
         }
     }
     let size = (0..3).map(|k| bounds[1][k] - bounds[0][k]).fold(0.0, f64::max);
     let far = bounds.as_flattened().iter().fold(0.0_f64, |far, x| far.max(x.abs()));
-    let rounding = match mesh.positions() {
+    let rounding = match mesh.positions {
         Positions::F32(_) => f64::from(f32::EPSILON),
         Positions::F64(_) => f64::EPSILON,
     };

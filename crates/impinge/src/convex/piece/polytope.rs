@@ -29,7 +29,7 @@ impl Polytope {
         } else {
             distinct(piece.corners.iter().map(|&(vertex, _)| vertex).collect())
         };
-        let points: Vec<[f64; 3]> = corners.iter().map(|&at| piece.mesh.positions().get(at as usize)).collect();
+        let points: Vec<[f64; 3]> = corners.iter().map(|&at| piece.mesh.position(at)).collect();
         let hull = Hull::new(&points).ok()?;
         let mut facets = Facets::of_hull(&hull);
         for (corner, &number) in facets.corners.iter_mut().zip(hull.vertices()) {
@@ -71,11 +71,10 @@ fn outer(piece: &Piece<'_>) -> Vec<u32> {
         let normal = plane.normal.map(f64::abs);
         let across = (0..3).max_by(|&i, &j| normal[i].total_cmp(&normal[j])).unwrap_or(0);
         let (i, j) = ((across + 1) % 3, (across + 2) % 3);
-        let positions = piece.mesh.positions();
         let flat: Vec<[f64; 2]> = corners
             .iter()
             .map(|&at| {
-                let point = positions.get(at as usize);
+                let point = piece.mesh.position(at);
                 [point[i], point[j]]
             })
             .collect();

@@ -30,9 +30,19 @@ pub(crate) enum Across {
     /// No face: the edge is on the border of the surface.
     Nothing,
     /// One face.
-    Face(u32),
+    Face(FaceAcross),
     /// Several faces.
     Several,
+}
+
+/// The one other face at an edge of a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct FaceAcross {
+    pub(crate) face: u32,
+    /// Number of its corner that is not on the edge.
+    pub(crate) opposite: u8,
+    /// Whether its corners pass along the edge in the same direction as those of the first face.
+    pub(crate) runs_along: bool,
 }
 
 /// A partition of faces into parts, which are numbered in the order of their first faces.
@@ -93,13 +103,13 @@ impl Topology {
         &faces[start..ends[vertex as usize]]
     }
 
-    /// Returns what lies across the edges of a face. Edge k runs from corner k to the next. `faces`
+    /// Returns what lies across the edges of each face. Edge k runs from corner k to the next. `faces`
     /// must be the faces from which this connectivity was computed.
     ///
     /// # Complexity
     /// O(n log n) the first time, by sorting, then constant.
-    pub(in crate::mesh) fn across(&self, faces: &[[u32; 3]], face: u32) -> [Across; 3] {
-        self.across.get_or_init(|| across_of(&self.first_at, faces))[face as usize]
+    pub(in crate::mesh) fn across(&self, faces: &[[u32; 3]]) -> &[[Across; 3]] {
+        self.across.get_or_init(|| across_of(&self.first_at, faces))
     }
 
     /// Returns the border of some faces, given by their vertex indices. Its vertices are those of
@@ -175,12 +185,27 @@ fn across_of(first_at: &[u32], faces: &[[u32; 3]]) -> Vec<[Across; 3]> {
         for &(_, face, edge) in run {
             across[face as usize][usize::from(edge)] = match run {
                 [_] => Across::Nothing,
-                [one, other] => Across::Face(if one.1 == face { other.1 } else { one.1 }),
+                [one, other] => {
+                    let other = if one.1 == face { other.1 } else { one.1 };
+                    Across::Face(FaceAcross::new(first_at, faces, (face, edge), other))
+                }
                 _ => Across::Several,
             };
         }
     }
     across
+}
+
+impl FaceAcross {
+    /// Describes the other face at an edge of a face.
+    fn new(first_at: &[u32], faces: &[[u32; 3]], (face, edge): (u32, u8), other: u32) -> Self {
+        let corners = |face: u32| faces[face as usize].map(|vertex| first_at[vertex as usize]);
+        let (own, there, edge) = (corners(face), corners(other), usize::from(edge));
+        let (from, to) = (own[edge], own[(edge + 1) % 3]);
+        let runs_along = (0..3).any(|at| there[at] == from && there[(at + 1) % 3] == to);
+        let opposite = (0..3_u8).find(|&at| ![from, to].contains(&there[usize::from(at)])).unwrap_or(0);
+        Self { face: other, opposite, runs_along }
+    }
 }
 
 /// Returns the edges that the faces run along more often one way than the other, with the
@@ -256,6 +281,7 @@ impl DisjointSets {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use impinge_testkit::generate::Rng;
 
     fn topology(vertices: &[[f32; 3]], faces: &[[u32; 3]]) -> Topology {
         Topology::of(&Positions::F32(vertices.to_vec()), faces)
@@ -286,6 +312,39 @@ mod tests {
         assert_eq!(twice.border, [edge(0, 1, -2), edge(0, 2, 2), edge(1, 2, -2)]);
         let both_ways = topology(&CORNERS, &[[0, 1, 2], [0, 2, 1], [3, 3, 1]]);
         assert_eq!(both_ways.border, []);
+    }
+
+    /// Faces over few vertices share many edges, and some have a vertex twice.
+    #[test]
+    fn the_face_across_an_edge_is_that_of_a_loop_over_all() {
+        let mut rng = Rng::new(48);
+        let (mut one, mut along, mut several) = (0, 0, 0);
+        for _ in 0..200 {
+            let faces: Vec<[u32; 3]> = (0..8).map(|_| [0; 3].map(|_| rng.integer(0, 5) as u32)).collect();
+            let vertices: Vec<[f32; 3]> = (0..6_u8).map(|at| [f32::from(at), 0.0, 0.0]).collect();
+            let topology = topology(&vertices, &faces);
+            let edge = |face: u32, edge: usize| [faces[face as usize][edge], faces[face as usize][(edge + 1) % 3]];
+            for (face, edges) in (0..).zip(topology.across(&faces)) {
+                for (number, across) in edges.iter().enumerate() {
+                    let [from, to] = edge(face, number);
+                    let all = (0..8).flat_map(|other| [0, 1, 2].map(|other_edge| (other, edge(other, other_edge))));
+                    let same: Vec<_> = all.filter(|(_, edge)| *edge == [from, to] || *edge == [to, from]).collect();
+                    let Across::Face(FaceAcross { face: other, opposite, runs_along }) = *across else {
+                        assert_eq!(*across == Across::Several, same.len() > 2);
+                        several += u32::from(same.len() > 2);
+                        continue;
+                    };
+                    let corners = faces[other as usize];
+                    assert!(same.len() == 2 && same.iter().any(|found| found.0 == other));
+                    assert_eq!(runs_along, (0..3).any(|at| edge(other, at) == [from, to]));
+                    let is_third = ![from, to].contains(&corners[usize::from(opposite)]);
+                    assert_eq!(is_third, corners.iter().any(|corner| ![from, to].contains(corner)));
+                    one += 1;
+                    along += u32::from(runs_along);
+                }
+            }
+        }
+        assert!(one > 500 && along > 100 && several > 500, "{one} {along} {several}");
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::budget::Budget;
 use crate::math::vec3::{Vector, cross, dot, length, scale, sub, unit};
 use crate::mesh::Mesh;
 use crate::mesh::derived::facets::{FacetPlane, Facets};
-use crate::mesh::derived::topology::{Across, Components};
+use crate::mesh::derived::topology::{Across, Components, FaceAcross};
 use crate::mesh::points::face_search::FaceSearch;
 
 /// Distance of a corner from the plane of a facet, relative to the size of the mesh, up to which
@@ -50,7 +50,7 @@ impl Mesh {
     pub(crate) fn is_border_of_facet(&self, facets: &Facets, face: u32, edge: usize) -> bool {
         let of_face = &facets.parts.of_face;
         match self.across(face)[edge] {
-            Across::Face(other) => of_face[other as usize] != of_face[face as usize],
+            Across::Face(other) => of_face[other.face as usize] != of_face[face as usize],
             Across::Nothing | Across::Several => true,
         }
     }
@@ -91,8 +91,8 @@ impl Mesh {
             };
             stack.push(seed);
             while let Some(face) = stack.pop() {
-                for across in self.across(face) {
-                    let Across::Face(other) = across else { continue };
+                for across in &self.all_across()[face as usize] {
+                    let Across::Face(FaceAcross { face: other, .. }) = *across else { continue };
                     if root_of[other as usize].is_none() && is_flat(other) {
                         root_of[other as usize] = Some(seed);
                         stack.push(other);
