@@ -210,10 +210,19 @@ impl<'m> Solids<'m> {
     /// checked that the other surface touches at most in single points.
     fn classify_parts(&self, inner: usize, pairs: &[[u32; 2]], contacts: &[Touching]) -> Penetrates {
         let (mesh, outer) = (self.mesh(inner), self.mesh(1 - inner));
-        // Built here, so that the threads below do not wait for it.
+        // Built here, so that the threads below do not wait for it. Each step takes long for a large
+        // mesh.
         outer.topology();
+        if self.budget.is_spent() {
+            return Penetrates::Undecided;
+        }
+        let topology = mesh.topology();
+        if self.budget.is_spent() {
+            return Penetrates::Undecided;
+        }
         // A part that is connected along edges stays connected if touched in single points.
-        let parts = if pairs.is_empty() { &mesh.topology().components } else { mesh.sheets() };
+        let parts = if pairs.is_empty() { Some(&topology.components) } else { mesh.sheets(self.budget) };
+        let Some(parts) = parts else { return Penetrates::Undecided };
         let mut is_free = vec![true; parts.first_faces.len()];
         for (pair, _) in contacts {
             // The parts are sheets here, and both faces count.

@@ -8,8 +8,8 @@
 //! with, or none. A compound is compared part by part.
 //!
 //! `kind` has a shape and its contents, which are `corners` or the sets in `round`. `constructors`
-//! makes and validates shapes, and `rounded` rounds them. `placed` places them in the world,
-//! `part_tree` finds the parts of a placed compound, and `form` has the representations.
+//! makes and validates shapes, and `rounded` rounds them. `placed` places them in the world, at
+//! a `stand`, `part_tree` finds the parts of a placed compound, and `form` has the representations.
 //! `triangles` shows shapes in pictures.
 //!
 //! Tests: `tests/it/shapes`. Benchmark: `shapes`.
@@ -22,9 +22,10 @@ mod part_tree;
 mod placed;
 mod round;
 mod rounded;
+mod stand;
 mod triangles;
 
 pub(crate) use form::Form;
 pub use kind::Shape;
 pub use placed::PlacedShape;
-pub(crate) use placed::Stand;
+pub(crate) use stand::Stand;

@@ -71,7 +71,7 @@ impl Mesh {
         let mut seeds = Vec::new();
         let mut stack = Vec::new();
         for (at, seed) in by_area.into_iter().enumerate() {
-            if at % FACES_PER_CHECK == 0 && budget.is_spent() {
+            if at.is_multiple_of(FACES_PER_CHECK) && budget.is_spent() {
                 return None;
             }
             if root_of[seed as usize].is_some() {
@@ -106,7 +106,7 @@ impl Mesh {
             planes[parts.of_face[face as usize] as usize].face = face;
         }
         for (at, &face) in seeds.iter().take(MAX_COMPARED).enumerate() {
-            if at % FACETS_PER_CHECK == 0 && budget.is_spent() {
+            if at.is_multiple_of(FACETS_PER_CHECK) && budget.is_spent() {
                 return None;
             }
             planes[parts.of_face[face as usize] as usize].overhang = self.overhang(face, tolerance);

@@ -15,11 +15,15 @@
 
 use rayon::prelude::*;
 
+use crate::budget::Budget;
 use crate::exact::{Corners, PosedPoint, Spot};
 use crate::math::Sign;
 use crate::math::vec3::{cross, sub};
 use crate::mesh::Mesh;
 use crate::mesh::derived::topology::{Components, DisjointSets};
+
+/// Number of faces between two checks of the budget.
+const FACES_PER_CHECK: u32 = 1 << 9;
 
 impl Mesh {
     /// Returns the names of a face's corners. The name of a corner is the first vertex at its
@@ -56,33 +60,39 @@ impl Mesh {
         net != 0 && turn_along_some_axis(&self.corners(face)).is_some()
     }
 
-    /// Returns the sheets of the mesh. A face that does not count is in no sheet.
+    /// Returns the sheets of the mesh, or `None` if the budget ended the computation. A face that
+    /// does not count is in no sheet.
     ///
     /// # Complexity
     /// About linear in the faces the first time, then constant.
-    pub(crate) fn sheets(&self) -> &Components {
+    pub(crate) fn sheets(&self, budget: &Budget<'_>) -> Option<&Components> {
         let slot = &self.0.derived.sheets;
         // No lock is held during the computation. A thread that waits in the parallel loop may
         // start another task that needs this slot, and would deadlock.
         if slot.get().is_none() {
-            let _ = slot.set(self.connected_along_edges());
+            let _ = slot.set(self.connected_along_edges(budget)?);
         }
-        slot.get_or_init(|| self.connected_along_edges())
+        slot.get()
     }
 
-    fn connected_along_edges(&self) -> Components {
+    fn connected_along_edges(&self, budget: &Budget<'_>) -> Option<Components> {
         let faces = self.faces().len() as u32;
-        let counts: Vec<bool> = (0..faces).into_par_iter().map(|face| self.counts(face)).collect();
+        let must_end = |face: u32| face.is_multiple_of(FACES_PER_CHECK) && budget.is_spent();
+        let counts = (0..faces).into_par_iter().map(|face| (!must_end(face)).then(|| self.counts(face)));
+        let counts: Vec<bool> = counts.collect::<Option<_>>()?;
         let mut sets = DisjointSets::new(faces as usize);
-        for face in (0..faces).filter(|&face| counts[face as usize]) {
-            for corner in 0..3 {
+        for face in 0..faces {
+            if must_end(face) {
+                return None;
+            }
+            for corner in (0..3).filter(|_| counts[face as usize]) {
                 let edge = self.edge_name(face, [corner, (corner + 1) % 3]);
                 let first = self.faces_with(edge).find(|&other| counts[other as usize]);
                 sets.join(face, first.unwrap_or(face));
             }
         }
         let roots = (0..faces).map(|face| counts[face as usize].then(|| sets.root(face)));
-        Components::numbered(faces as usize, roots)
+        Some(Components::numbered(faces as usize, roots))
     }
 
     /// Returns all faces that have all these corner names and three different corner names, in

@@ -98,7 +98,7 @@ impl<'m> Side<'m> {
         let same_facet = |x: &(u32, Face), y: &(u32, Face)| of_face[x.0 as usize] == of_face[y.0 as usize];
         let (mut facets, mut facet_of) = (Vec::new(), Vec::with_capacity(near.found.len()));
         for faces in near.found.chunk_by(same_facet) {
-            if facets.len() % FACETS_PER_CHECK == 0 && budget.is_spent() {
+            if facets.len().is_multiple_of(FACETS_PER_CHECK) && budget.is_spent() {
                 return None;
             }
             let facet = Facet::new((&placed, of_mesh), faces, facet_of.len() as u32, (&origin, slack));
@@ -283,7 +283,7 @@ impl FaceSearch for Near<'_, '_> {
         let corners = world_corners(self.placed, face, &self.origin);
         if gap(&box_about(&corners), self.bounds) <= self.margin {
             self.found.push((face, Face::new(corners, self.placed.world_from_mesh.mirrors())));
-            if self.found.len() % FACES_PER_CHECK == 0 && self.budget.is_spent() {
+            if self.found.len().is_multiple_of(FACES_PER_CHECK) && self.budget.is_spent() {
                 return Break(());
             }
         }
