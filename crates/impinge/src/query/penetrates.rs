@@ -210,8 +210,8 @@ impl<'m> Solids<'m> {
     /// checked that the other surface touches at most in single points.
     fn classify_parts(&self, inner: usize, pairs: &[[u32; 2]], contacts: &[Touching]) -> Penetrates {
         let (mesh, outer) = (self.mesh(inner), self.mesh(1 - inner));
-        // Built here, so that the threads below do not wait for it. Each step takes long for a large
-        // mesh.
+        // Built here, so that the threads below do not wait for it. Each step takes long for a
+        // large mesh.
         outer.topology();
         if self.budget.is_spent() {
             return Penetrates::Undecided;

@@ -175,8 +175,8 @@ impl PlacedShape {
         Ok(true)
     }
 
-    /// Returns [`images_of_radius`]. They depend on the linear part of the pose alone, and are known
-    /// if it does not change. A shape that is not placed yet has no radius.
+    /// Returns [`images_of_radius`]. They depend on the linear part of the pose alone, and are
+    /// known if it does not change. A shape that is not placed yet has no radius.
     fn images_of_radius_at(&self, radius: f64, pose: &Pose) -> Result<[f64; 2], InputError> {
         let is_known = self.stand.radius[1] > 0.0 && self.stand.world_from_local.linear() == pose.linear();
         if is_known { Ok(self.stand.radius) } else { images_of_radius(radius, pose) }
@@ -322,8 +322,8 @@ mod tests {
     use super::*;
     use impinge_testkit::generate::{Rng, poses};
 
-    /// Poses are a little stretched, so that the radii of a moved sphere are not those of the shape,
-    /// and many have the linear part of the pose before.
+    /// Poses are a little stretched, so that the radii of a moved sphere are not those of the
+    /// shape, and many have the linear part of the pose before.
     #[test]
     fn a_moved_shape_has_the_radii_of_one_placed_there() {
         let mut rng = Rng::new(48);

@@ -41,8 +41,8 @@ impl Other {
     }
 }
 
-/// The placements of the bodies that a step moves. A world keeps their memory from step to step, but
-/// a copy of the world does not need it.
+/// The placements of the bodies that a step moves. A world keeps their memory from step to step,
+/// but a copy of the world does not need it.
 #[derive(Debug, Default)]
 pub(super) struct Spare(pub(super) Vec<Other>);
 

@@ -103,8 +103,8 @@ impl Topology {
         &faces[start..ends[vertex as usize]]
     }
 
-    /// Returns what lies across the edges of each face. Edge k runs from corner k to the next. `faces`
-    /// must be the faces from which this connectivity was computed.
+    /// Returns what lies across the edges of each face. Edge k runs from corner k to the next.
+    /// `faces` must be the faces from which this connectivity was computed.
     ///
     /// # Complexity
     /// O(n log n) the first time, by sorting, then constant.
