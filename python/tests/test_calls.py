@@ -72,14 +72,6 @@ def test_a_call_ends_if_its_progress_line_cannot_be_written(monkeypatch):
         impinge.intersecting_pairs(TORUS, TORUS, random_poses(200_000, 1.0, 1), limit=1, progress=True)
 
 
-@pytest.fixture
-def ctrl_c_raises_keyboard_interrupt():
-    """Sets Python's handler, because shells make background processes ignore the signal."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
 @pytest.mark.usefixtures("ctrl_c_raises_keyboard_interrupt")
 def test_ctrl_c_ends_a_long_call_within_a_fraction_of_a_second():
     sent = []

@@ -145,6 +145,7 @@ def test_a_node_that_is_killed_changes_nothing(connected, expected, small_tasks,
     assert same_reports(report, expected)
 
 
+@pytest.mark.usefixtures("ctrl_c_raises_keyboard_interrupt")
 def test_an_interrupted_call_continues_from_its_checkpoint(connected, expected, small_tasks, monkeypatch, tmp_path):
     add = Checkpoint.add
 

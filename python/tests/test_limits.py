@@ -126,6 +126,7 @@ def crowd(**options):
     return world
 
 
+@pytest.mark.usefixtures("ctrl_c_raises_keyboard_interrupt")
 def test_an_interrupted_step_leaves_the_world_as_it_was():
     world = crowd()
     before = world.save().data()
