@@ -17,7 +17,7 @@ pub(crate) struct Effort {
 
 impl Effort {
     /// The effort of a question about one pair. It bounds the work to about a tenth of a second, or
-    /// a second if faces by the thousand are near each other.
+    /// a second if faces by the thousand are near each other, and more for hundreds of thousands.
     pub(crate) const FULL: Self =
         Self { relative_width: 1.0 / 1024.0, cells: 1 << 14, faces: 1 << 28, border_edges: 1 << 21 };
 }

@@ -183,6 +183,8 @@ impl<'m> Solids<'m> {
         };
         let [low, high] = site.bounds;
         let size = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+        // Without a range, the margin bounds the depth. The box of the search does not: one solid
+        // may be much larger.
         let mut best = Found { upper: site.margin, ..NOTHING };
         for step in 1..=STEPS {
             let threshold = size * STEP.powi(step);
