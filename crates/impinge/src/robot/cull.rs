@@ -5,8 +5,9 @@
 use super::frame::Frame;
 use super::outline::Ball;
 use super::proxy::{Proxy, Volumes};
-use super::shell::ROUNDING;
+use super::shell::{self, ROUNDING};
 use crate::math::vec3::{dot, sub};
+use crate::simd::best_level;
 
 /// Share of the magnitude of translations that covers the rounding of images and of distances,
 /// 2^-44.
@@ -100,6 +101,42 @@ impl Culling {
         let least = |a: &Limb| b.iter().map(|b| least_distance(a, b)).fold(f64::INFINITY, f64::min);
         // A slack that is infinite or NaN gives zero.
         (a.iter().map(least).fold(f64::INFINITY, f64::min) - self.slack).max(0.0)
+    }
+
+    /// Returns a lower bound of the distance of two links, whose capsules were computed, by
+    /// capsules and by the convex hulls of pieces. The search ends if the bound reaches `enough`.
+    pub(super) fn least_distance_of_hulls(
+        &self,
+        pair: [usize; 2],
+        enough: f64,
+        proxies: &[Proxy],
+        frames: &[Frame],
+    ) -> f64 {
+        let [Some(a), Some(b)] = pair.map(|link| self.placed_limbs(link, proxies)) else { return 0.0 };
+        let shell = |side: usize, piece: usize| {
+            let link = pair[side];
+            let shell = if let Proxy::Within(volumes) = &proxies[link] { volumes.shells[piece].as_ref() } else { None };
+            shell.map(|shell| (shell, &frames[link]))
+        };
+        let (level, enough) = (best_level(), enough + self.slack);
+        let mut least = f64::INFINITY;
+        for (i, a) in a.iter().enumerate() {
+            for (j, b) in b.iter().enumerate() {
+                let of_capsules = least_distance(a, b);
+                // Pieces that are farther apart than others, or than needed, do not matter.
+                if of_capsules >= least.min(enough) {
+                    least = least.min(of_capsules);
+                } else if let (Some(a_shell), Some(b_shell)) = (shell(0, i), shell(1, j)) {
+                    let between = nearest_offset(a.ends, b.ends);
+                    let of_hulls = shell::least_distance(level, a_shell, b_shell, between, least.min(enough));
+                    least = least.min(of_capsules.max(of_hulls));
+                } else {
+                    least = least.min(of_capsules);
+                }
+            }
+        }
+        // A slack that is infinite or NaN gives zero.
+        (least - self.slack).max(0.0)
     }
 
     /// Returns the greatest radius of the capsules of a link that were computed.
@@ -251,6 +288,42 @@ pub(super) mod tests {
             }
         }
         assert!(culled * 10 > apart * 6, "{culled} of {apart}");
+        assert!(touching > 50, "{touching}");
+    }
+
+    #[test]
+    fn distances_of_hulls_are_below_the_distances_of_links() {
+        let mut rng = Rng::new(2);
+        let (mut apart, mut longer, mut near, mut touching) = (0, 0, 0, 0);
+        let (mut culling, mut frames) = (Culling::default(), Vec::new());
+        for round in 0..60 {
+            let robot = chain(&mut rng, 6);
+            for _ in 0..6 {
+                let step = |kind| if kind == JointKind::Prismatic { 0.25 } else { std::f64::consts::FRAC_PI_4 };
+                let q: Vec<f64> =
+                    robot.joints().iter().map(|joint| step(joint.kind) * rng.integer(-4, 4) as f64).collect();
+                robot.place(&q, &mut frames);
+                culling.start(robot.proxies(), &frames);
+                culling.place_all(robot.proxies(), &frames);
+                let enough = [f64::INFINITY, 0.25][round % 2];
+                for &[a, b] in robot.pairs() {
+                    let by_capsules = culling.least_distance([a, b], robot.proxies());
+                    let least = culling.least_distance_of_hulls([a, b], enough, robot.proxies(), &frames);
+                    let placed = [a, b].map(|link| {
+                        let pose = frames[link].pose().expect("a pose");
+                        robot.links()[link].shape.as_ref().expect("a shape").at(pose).expect("a place")
+                    });
+                    let distance = query::distance(&placed[0], &placed[1]).upper;
+                    assert!(least <= distance, "{a} {b} {q:?} {least} {distance}");
+                    assert!(least >= by_capsules.min(enough), "{a} {b} {q:?} {least} {by_capsules}");
+                    apart += usize::from(distance > 1e-4);
+                    longer += usize::from(least > by_capsules);
+                    near += usize::from(distance > 1e-4 && least >= (0.85 * distance).min(enough));
+                    touching += usize::from(distance < 1e-9);
+                }
+            }
+        }
+        assert!(near * 10 > apart * 9 && longer * 4 > apart, "{near} {longer} of {apart}");
         assert!(touching > 50, "{touching}");
     }
 
