@@ -65,7 +65,8 @@ def bake_scene(scene: Scene, folder: str) -> None:
             records.append({"part": name, "of": numbers[id(part)], **_about(scene, name)})
         file.flush()
         os.fsync(file.fileno())
-    records += [{"ignored": sorted(pair)} for pair in sorted(scene._ignored, key=sorted)]
+    order = list(scene.parts)
+    records += [{"ignored": pair} for pair in sorted(sorted((order[i], order[j])) for i, j in scene._ignored)]
     _replace(listed, "".join(json.dumps(record) + "\n" for record in records))
 
 

@@ -113,7 +113,7 @@ def clash(
         message = "compares parts of different scenes, and there is one scene"
         raise InputError(message, kind="option", what="between", hint="pass a mapping of labels to scenes")
     question = (
-        [(label, parts_of(scene), list(scene._ignored_places())) for label, scene in labeled.items()],
+        [(label, parts_of(scene), scene._ignored_places()) for label, scene in labeled.items()],
         (unit_of(labeled), up_of(labeled) if up is None else chosen(up, ("x", "y", "z"), "up")),
         (_length(tolerance, "tolerance"), _length(clearance, "clearance")),
         (flag(between, "between"), flag(contacts, "contacts"), flag(volume, "volume"), flag(curves, "curves")),

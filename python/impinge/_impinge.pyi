@@ -512,7 +512,7 @@ class ClashFiles:
     def bcf(self, version: str, date: int) -> bytes: ...
 
 _ClashQuestion: TypeAlias = tuple[
-    list[tuple[str, list[Any], list[tuple[int, int]]]],
+    list[tuple[str, list[Any], NDArray[np.uint32]]],
     tuple[str | None, str],
     tuple[float | str | None, float | str | None],
     tuple[bool, bool, bool, bool],
@@ -529,14 +529,14 @@ def clash_pairs(
 def clash_report(question: _ClashQuestion, findings: NDArray[np.float64]) -> dict[str, Any]: ...
 def check_scene(
     parts: list[tuple[str, Any, bool, Any]],
-    ignored: list[tuple[int, int]],
+    ignored: NDArray[np.uint32],
     question: tuple[str, float],
     first: bool,
     on_error: Any,
     progress: bool,
 ) -> Any: ...
 def scene_candidates(
-    parts: list[tuple[str, Any, bool, Any]], ignored: list[tuple[int, int]], question: tuple[str, float], on_error: Any
+    parts: list[tuple[str, Any, bool, Any]], ignored: NDArray[np.uint32], question: tuple[str, float], on_error: Any
 ) -> tuple[list[int], tuple[int, NDArray[np.uint32], NDArray[np.float64]] | None]: ...
 def check_pairs(
     parts: list[tuple[str, Any, bool, Any]], pairs: NDArray[np.uint32], question: tuple[str, float]

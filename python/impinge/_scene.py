@@ -87,7 +87,9 @@ class Scene:
             if not isinstance(about, Details):
                 message = f"of part {name!r} are {type(about).__name__}; pass impinge.Details"
                 raise InputError(message, kind="type", what="details")
-        self._ignored: set[frozenset[str]] = set()
+        self._places = {name: place for place, name in enumerate(self._parts)}
+        self._ignored: set[tuple[int, int]] = set()
+        self._sorted_ignored: NDArray[np.uint32] | None = None
         for a, b in _pairs(ignored):
             self._ignore((a, "ignored"), (b, "ignored"))
 
@@ -115,7 +117,8 @@ class Scene:
     @property
     def pairs(self) -> tuple[tuple[str, str], ...]:
         """Pairs of names that are checked, in the order of the parts."""
-        return tuple(pair for pair in combinations(self._parts, 2) if frozenset(pair) not in self._ignored)
+        places = combinations(enumerate(self._parts), 2)
+        return tuple((a, b) for (i, a), (j, b) in places if (i, j) not in self._ignored)
 
     def ignore(self, a: str, b: str) -> None:
         """Exclude the pair of two named parts, in either order, from later checks.
@@ -134,7 +137,10 @@ class Scene:
         """
         for name, what in (a, b):
             self._check_name(name, what)
-        self._ignored.add(frozenset((a[0], b[0])))
+        i, j = sorted((self._places[a[0]], self._places[b[0]]))
+        if i < j:
+            self._ignored.add((i, j))
+            self._sorted_ignored = None
 
     def repaired(self) -> tuple[Scene, dict[str, Repair]]:
         """Return a copy in which open meshes are repaired, and the repair of each changed part.
@@ -228,12 +234,12 @@ class Scene:
             raise InputError(message, kind="option", what="clearance")
         limit = 0.0 if clearance is None else real(clearance, "clearance", minimum=0)
         parts = [(name, part, self._solid, placed.get(name)) for name, part in self._parts.items()]
-        first, ignored = stop == "first", sorted(self._ignored_places())
-        answer: Any = engine(on).check_scene(parts, ignored, (question, limit), first, on_error, progress)
+        asked = (question, limit), stop == "first", on_error, progress
+        answer: Any = engine(on).check_scene(parts, self._ignored_places(), *asked)
         status: Statuses | None = None
         if on_error == "status":
             answer, status = answer
-        return SceneReport(self, answer, status, stopped_at_first=first)
+        return SceneReport(self, answer, status, stopped_at_first=stop == "first")
 
     def bake(self, folder: str | os.PathLike[str]) -> None:
         """Write the scene to a folder that `load_scene` maps, so that it may be larger than memory.
@@ -279,11 +285,13 @@ class Scene:
     def _names(self) -> list[str]:
         return list(self._parts)
 
-    def _ignored_places(self) -> set[tuple[int, int]]:
-        """Return the ignored pairs as pairs of part indices, the smaller first."""
-        place = {name: place for place, name in enumerate(self._parts)}
-        both = (sorted(place[name] for name in pair) for pair in self._ignored if len(pair) > 1)
-        return {(i, j) for i, j in both}
+    def _ignored_places(self) -> NDArray[np.uint32]:
+        """Return the ignored pairs as sorted pairs of part indices, the smaller first, (k, 2)."""
+        pairs = self._sorted_ignored
+        if pairs is None:
+            pairs = np.array(sorted(self._ignored), np.uint32).reshape(-1, 2)
+            self._sorted_ignored = pairs
+        return pairs
 
     def _of_parts(self, given: Mapping[str, Any] | None, what: str) -> dict[str, Any]:
         """Return an argument with values for some of the parts, without values of None."""
@@ -301,7 +309,7 @@ class Scene:
     def __repr__(self) -> str:
         """Return the numbers of parts and pairs."""
         count = len(self._parts)
-        return f"Scene({count} parts, {count * (count - 1) // 2 - len(self._ignored_places())} pairs)"
+        return f"Scene({count} parts, {count * (count - 1) // 2 - len(self._ignored)} pairs)"
 
 
 _IDENTITY = np.eye(4)

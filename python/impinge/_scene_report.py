@@ -46,7 +46,8 @@ class SceneReport:
     @cached_property
     def pairs(self) -> tuple[tuple[str, str], ...]:
         """The p checked pairs of parts, in the order of the scene."""
-        places = (pair for pair in combinations(range(len(self._parts)), 2) if pair not in self._ignored)
+        ignored = set(map(tuple, self._ignored.tolist()))
+        places = (pair for pair in combinations(range(len(self._parts)), 2) if pair not in ignored)
         return tuple((self._parts[i], self._parts[j]) for i, j in places)
 
     @cached_property
@@ -116,7 +117,7 @@ class SceneReport:
     @cached_property
     def _skipped(self) -> list[int]:
         """Indices of the ignored pairs among all pairs, ascending."""
-        return sorted(map(self._place, self._ignored))
+        return [self._place((i, j)) for i, j in self._ignored.tolist()]
 
     def _place(self, pair: tuple[int, int]) -> int:
         """Return the index of a pair of part indices among all pairs, ignored pairs included."""

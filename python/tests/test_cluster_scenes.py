@@ -134,7 +134,8 @@ def test_parts_are_kept_only_while_tasks_need_them(cluster, monkeypatch):
 def test_tasks_of_pairs_are_bounded_and_close_together():
     scene, poses = grid_scene(400, 2)
     parts = [(name, part, False, poses.get(name)) for name, part in scene.parts.items()]
-    axes, (status, pairs, boxes) = impinge._impinge.scene_candidates(parts, [], ("intersects", 0.0), "raise")
+    ignored = np.zeros((0, 2), np.uint32)
+    axes, (status, pairs, boxes) = impinge._impinge.scene_candidates(parts, ignored, ("intersects", 0.0), "raise")
     assert (axes, status) == ([], 0)
     ranks = _scenes.ranks(boxes)
     assert sorted(ranks.tolist()) == list(range(400))

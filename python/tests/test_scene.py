@@ -55,6 +55,17 @@ def test_a_check_equals_a_loop_over_single_queries():
         _ = first.worst
 
 
+def test_a_report_keeps_the_pairs_of_its_check():
+    scene = impinge.Scene({"a": CUBE, "b": CUBE, "c": CUBE}, ignored=[("b", "b")])
+    before = scene.check(stop="all")
+    other = scene.repaired()[0]
+    scene.ignore("b", "a")
+    other.ignore("b", "c")
+    assert before.names() == list(before.pairs) == [("a", "b"), ("a", "c"), ("b", "c")]
+    assert scene.check(stop="all").names() == list(scene.pairs) == [("a", "c"), ("b", "c")]
+    assert other.check(stop="all").names() == list(other.pairs) == [("a", "b"), ("a", "c")]
+
+
 def test_a_single_configuration_has_no_axes():
     scene = impinge.Scene({"a": CUBE, "b": CUBE, "c": TORUS})
     report = scene.check({"b": impinge.pose([1, 0, 0]), "c": impinge.pose([9, 0, 0])}, stop="all")

@@ -7,7 +7,7 @@ use impinge::clash::{
     ClashError, Counts, Grouping, Job, Options, Previous, Report, Shared, Side, default_tolerance, find,
 };
 use impinge::query::batch::Execution;
-use impinge::scene::{Details, PartId, Scene, SceneError};
+use impinge::scene::{Details, Scene, SceneError};
 use impinge_files::{
     Asked, Length, Limits, LoadError, ReportAbout, RulesFile, RulesFormat, SceneAbout, Unit, length_text,
     load_previous, load_rules, parse_previous, parse_rules, write_clash_csv, write_clash_json,
@@ -22,6 +22,7 @@ use crate::model::unit_of;
 use crate::pictures::axis;
 use crate::poses;
 use crate::question::Progress;
+use crate::scene::Ignored;
 use crate::shapes::read_shape;
 use crate::workers::{self, Call};
 
@@ -33,7 +34,7 @@ pub(crate) type Part<'py> = (String, Bound<'py, PyAny>, Bound<'py, PyAny>, (Stri
 
 /// A scene as Python passes it: its label, its parts, and pairs of indices of parts that are
 /// ignored.
-pub(crate) type Labeled<'py> = (String, Vec<Part<'py>>, Vec<(usize, usize)>);
+pub(crate) type Labeled<'py> = (String, Vec<Part<'py>>, Ignored<'py>);
 
 /// A length as Python passes it: in the unit of the scenes, or a text that may have a unit.
 #[derive(FromPyObject)]
@@ -123,10 +124,7 @@ fn count(py: Python<'_>, search: &Arc<Search>) -> PyResult<usize> {
 
 fn scene(py: Python<'_>, (label, parts, ignored): Labeled<'_>) -> PyResult<(String, Scene)> {
     let mut scene = scene_of(py, parts)?;
-    let ids: Vec<PartId> = scene.parts().collect();
-    for (a, b) in ignored {
-        scene.ignore(ids[a], ids[b]);
-    }
+    ignored.apply(&mut scene)?;
     Ok((label, scene))
 }
 

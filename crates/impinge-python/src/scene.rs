@@ -4,6 +4,7 @@ use impinge::Pose;
 use impinge::budget::Stopped;
 use impinge::query::batch::{Answers, Broadcast, Execution, Poses};
 use impinge::scene::{Configurations, ConfigurationsError, FoundPair, PartId, Question, Scene, Stop};
+use numpy::PyReadonlyArray2;
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 
@@ -23,6 +24,9 @@ pub(crate) struct MovedScene {
     pub(crate) moves: Vec<(PartId, Poses)>,
 }
 
+/// Pairs of indices of parts that are ignored, (k, 2).
+pub(crate) struct Ignored<'py>(PyReadonlyArray2<'py, u32>);
+
 /// Question about each pair of parts: its name and a clearance in world units.
 pub(crate) struct QuestionOption(pub(crate) Question);
 
@@ -31,7 +35,7 @@ impl MovedScene {
     ///
     /// # Errors
     /// `InputError` if a part is not a mesh or shape, or if its poses are not an array of matrices.
-    pub(crate) fn read(py: Python<'_>, parts: &[Part<'_>], ignored: &[(usize, usize)]) -> PyResult<Self> {
+    pub(crate) fn read(py: Python<'_>, parts: &[Part<'_>], ignored: Option<&Ignored<'_>>) -> PyResult<Self> {
         let mut scene = Scene::new();
         let mut moves = Vec::with_capacity(parts.len());
         for (name, thing, is_solid, given) in parts {
@@ -39,11 +43,27 @@ impl MovedScene {
             let part = part.map_err(|error| Fault::new("name", "parts", error.to_string()).raised(py))?;
             moves.push((part, poses::read(given, &argument(name))?));
         }
-        let ids: Vec<PartId> = scene.parts().collect();
-        for &(a, b) in ignored {
-            scene.ignore(ids[a], ids[b]);
-        }
+        ignored.map_or(Ok(()), |ignored| ignored.apply(&mut scene))?;
         Ok(Self { scene, moves })
+    }
+}
+
+impl Ignored<'_> {
+    /// Excludes the pairs from the checks of a scene.
+    pub(crate) fn apply(&self, scene: &mut Scene) -> PyResult<()> {
+        let ids: Vec<PartId> = scene.parts().collect();
+        for [a, b] in self.0.as_slice()?.as_chunks().0 {
+            scene.ignore(ids[*a as usize], ids[*b as usize]);
+        }
+        Ok(())
+    }
+}
+
+impl<'py> FromPyObject<'_, 'py> for Ignored<'py> {
+    type Error = PyErr;
+
+    fn extract(pairs: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        Ok(Self(pairs.extract()?))
     }
 }
 
@@ -78,7 +98,7 @@ pub(crate) fn configurations<'s>(scene: &'s Scene, moves: &[(PartId, Poses)]) ->
 pub(crate) fn check_scene<'py>(
     py: Python<'py>,
     parts: Vec<Part<'py>>,
-    ignored: Vec<(usize, usize)>,
+    ignored: Ignored<'py>,
     question: QuestionOption,
     first: bool,
     on_error: &Bound<'py, PyAny>,
@@ -86,7 +106,7 @@ pub(crate) fn check_scene<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let (wants_status, Progress(progress)) = (wants_status(on_error)?, progress);
     let QuestionOption(question) = question;
-    let MovedScene { scene, moves } = MovedScene::read(py, &parts, &ignored)?;
+    let MovedScene { scene, moves } = MovedScene::read(py, &parts, Some(&ignored))?;
     let rows = check_poses(py, &scene, &moves, wants_status)?;
     let stop = if first { Stop::First } else { Stop::All };
     let call = Call { rows, is_brief: false, progress };

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{array, row_array};
 use crate::question::wants_status;
-use crate::scene::{MovedScene, Part, QuestionOption, check_poses, configurations};
+use crate::scene::{Ignored, MovedScene, Part, QuestionOption, check_poses, configurations};
 use crate::workers::{self, Call};
 
 /// Returns the leading axes of the poses, and the broad phase if there is one configuration. The
@@ -19,12 +19,12 @@ use crate::workers::{self, Call};
 pub(crate) fn scene_candidates<'py>(
     py: Python<'py>,
     parts: Vec<Part<'py>>,
-    ignored: Vec<(usize, usize)>,
+    ignored: Ignored<'py>,
     question: QuestionOption,
     on_error: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (wants_status, QuestionOption(question)) = (wants_status(on_error)?, question);
-    let MovedScene { scene, moves } = MovedScene::read(py, &parts, &ignored)?;
+    let MovedScene { scene, moves } = MovedScene::read(py, &parts, Some(&ignored))?;
     let rows = check_poses(py, &scene, &moves, wants_status)?;
     let axes = configurations(&scene, &moves).shape().to_vec();
     if rows != 1 {
@@ -57,7 +57,7 @@ pub(crate) fn check_pairs<'py>(
     question: QuestionOption,
 ) -> PyResult<Bound<'py, PyAny>> {
     let QuestionOption(question) = question;
-    let MovedScene { scene, moves } = MovedScene::read(py, &parts, &[])?;
+    let MovedScene { scene, moves } = MovedScene::read(py, &parts, None)?;
     let ids: Vec<_> = scene.parts().collect();
     let pairs = pairs.readonly();
     let named = pairs.as_slice()?.as_chunks::<2>().0.iter().map(|pair| {

@@ -13,7 +13,7 @@ from impinge.cluster._calls import Call, snapshots
 from impinge.cluster._parcels import Parcels
 from impinge.cluster._scenes import cut, distinct, faces, ranks
 
-Scene = tuple[str, list[tuple[str, Any, Any, Any]], list[tuple[int, int]]]
+Scene = tuple[str, list[tuple[str, Any, Any, Any]], NDArray[np.uint32]]
 """Scene as the extension takes it: its label, the name, thing, pose and details of each part, and
 pairs of parts that are ignored."""
 

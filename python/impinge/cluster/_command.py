@@ -73,9 +73,7 @@ def _pairs(options: argparse.Namespace) -> dict[str, Any]:
     scene = scene_of(options.scenes, options.unit)
     poses = scene.poses
     parts = [(name, part, scene._solid, poses[name]) for name, part in scene.parts.items()]
-    call = scene_call(
-        parts, sorted(scene._ignored_places()), (options.question, options.clearance or 0.0), False, "raise"
-    )
+    call = scene_call(parts, scene._ignored_places(), (options.question, options.clearance or 0.0), False, "raise")
     answers: dict[int, Any] = {}
     is_complete = True
     with ray(options.address, checkpoint=options.checkpoint, shared=options.shared) as cluster:
@@ -107,7 +105,7 @@ def scene_of(paths: Sequence[str], unit: str | None) -> Scene:
         poses.update({prefix + name: pose for name, pose in scene.poses.items()})
         details.update({prefix + name: scene.details(name) for name in scene.parts})
         names = list(scene.parts)
-        ignored += [(prefix + names[i], prefix + names[j]) for i, j in scene._ignored_places()]
+        ignored += [(prefix + names[i], prefix + names[j]) for i, j in scene._ignored]
         solids.add(scene._solid)
     if len(solids) > 1:
         raise ValueError("the meshes of some baked scenes are solids, and those of other scenes are surfaces")

@@ -95,7 +95,7 @@ class Functions:
     def check_scene(  # noqa: PLR0917 (the arguments of the extension)
         self,
         parts: list[Part],
-        ignored: list[tuple[int, int]],
+        ignored: NDArray[np.uint32],
         question: tuple[str, float],
         first: bool,
         on_error: str,
@@ -163,7 +163,7 @@ class Functions:
 
 
 def scene_call(
-    parts: list[Part], ignored: list[tuple[int, int]], question: tuple[str, float], first: bool, on_error: str
+    parts: list[Part], ignored: NDArray[np.uint32], question: tuple[str, float], first: bool, on_error: str
 ) -> SceneRows | ScenePairs:
     """Return the call that checks a scene."""
     axes, broad_phase = _impinge.scene_candidates(parts, ignored, question, on_error)

@@ -51,7 +51,7 @@ class SceneRows(Call):
     def __init__(
         self,
         parts: Sequence[Part],
-        ignored: list[tuple[int, int]],
+        ignored: NDArray[np.uint32],
         options: tuple[tuple[str, float], bool, str],
         axes: Sequence[int],
     ) -> None:
@@ -59,7 +59,7 @@ class SceneRows(Call):
         self.parts = snapshots([part for _, part, *_ in parts])
         self._distinct, self._which = distinct(self.parts)
         self._solid = any(solid for _, _, solid, _ in parts)
-        self._ignored, self._options = np.array(ignored, np.uint32).reshape(-1, 2), options
+        self._ignored, self._options = ignored, options
         self.parcels = Parcels(self.parts, self._distinct)
         placed = poses_of({f"poses[{name!r}]": poses for name, _, _, poses in parts})
         moving = sum(poses is not None and poses.ndim > 2 for poses in placed)

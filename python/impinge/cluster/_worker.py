@@ -10,7 +10,6 @@ import pickle
 import platform
 from collections import OrderedDict
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -168,13 +167,7 @@ def scene_rows(
 ) -> Any:
     """Return the pairs that are found in some configurations of a scene."""
     question, first, on_error = options
-    return _impinge.check_scene(placed.of(parts), _tuples(ignored.tobytes()), question, first, on_error, False)
-
-
-@lru_cache(maxsize=4)
-def _tuples(pairs: bytes) -> list[tuple[int, int]]:
-    """Return pairs in the form that the extension takes. A call has one list for all tasks."""
-    return [(i, j) for i, j in np.frombuffer(pairs, np.uint32).reshape(-1, 2).tolist()]
+    return _impinge.check_scene(placed.of(parts), ignored, question, first, on_error, False)
 
 
 def scene_pairs(

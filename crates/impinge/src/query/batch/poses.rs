@@ -1,16 +1,17 @@
 //! Poses with leading axes. Some of the poses may be invalid.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::input::{InputError, InputErrorKind};
 use crate::math::Pose;
 
 /// Poses in rows with leading axes, in row-major order. An invalid pose keeps its row and its
-/// error.
+/// error. Cloning is cheap, as clones share the poses.
 #[derive(Clone, Debug)]
 pub struct Poses {
     shape: Vec<usize>,
-    poses: Vec<Pose>,
+    poses: Arc<Vec<Pose>>,
     faults: BTreeMap<usize, InputError>,
 }
 
@@ -24,14 +25,14 @@ impl Default for Poses {
 impl From<Pose> for Poses {
     /// Returns one pose, without leading axes.
     fn from(pose: Pose) -> Self {
-        Self { shape: Vec::new(), poses: vec![pose], faults: BTreeMap::new() }
+        Self { shape: Vec::new(), poses: Arc::new(vec![pose]), faults: BTreeMap::new() }
     }
 }
 
 impl From<Vec<Pose>> for Poses {
     /// Returns poses along one leading axis.
     fn from(poses: Vec<Pose>) -> Self {
-        Self { shape: vec![poses.len()], poses, faults: BTreeMap::new() }
+        Self { shape: vec![poses.len()], poses: Arc::new(poses), faults: BTreeMap::new() }
     }
 }
 
@@ -66,7 +67,7 @@ impl Poses {
                 Pose::IDENTITY
             }));
         }
-        Ok(Self { shape: shape.to_vec(), poses, faults })
+        Ok(Self { shape: shape.to_vec(), poses: Arc::new(poses), faults })
     }
 
     /// Returns the length of each leading axis. Empty for a single pose.
@@ -111,7 +112,7 @@ impl Poses {
     /// identity.
     #[must_use]
     pub fn into_all(self) -> Vec<Pose> {
-        self.poses
+        Arc::unwrap_or_clone(self.poses)
     }
 
     /// Adds an error to each row whose pose `check` rejects. A row keeps an error that it already
