@@ -8,6 +8,7 @@ use super::parts::{PartId, Scene};
 use crate::input::InputError;
 use crate::math::Pose;
 use crate::query::batch::{Broadcast, BroadcastError, Poses};
+use crate::shape::Acceptance;
 
 /// Configurations of a scene: a pose in each row for each part that moves. Leading axes broadcast
 /// as in NumPy. A part without poses keeps the pose that it has in the scene.
@@ -67,8 +68,8 @@ impl<'s> Configurations<'s> {
         self.shape = broadcast.shape().to_vec();
         self.rows = broadcast.rows();
         let broadcast = Broadcast::new(&self.shape, poses.shape()).map_err(refused)?;
-        let shape = &self.scene.part(part).shape;
-        poses.reject_if(|pose| shape.check_pose(pose));
+        let acceptance = Acceptance::of(&self.scene.part(part).shape);
+        poses.reject_if(|pose| acceptance.check(pose));
         self.moves.insert(part, Moves { poses, broadcast });
         Ok(())
     }

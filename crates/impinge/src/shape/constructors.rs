@@ -306,7 +306,7 @@ impl Shape {
     }
 
     /// Returns the number of parts that the shape has as a part of a compound.
-    fn part_count(&self) -> usize {
+    pub(crate) fn part_count(&self) -> usize {
         if let Kind::Compound(parts) = &self.0 { parts.len() } else { 1 }
     }
 

@@ -8,23 +8,25 @@
 //! with, or none. A compound is compared part by part.
 //!
 //! `kind` has a shape and its contents, which are `corners` or the sets in `round`. `constructors`
-//! makes and validates shapes, and `rounded` rounds them. `placed` places them in the world, at
-//! a `stand`, `part_tree` finds the parts of a placed compound, and `form` has the representations.
-//! `triangles` shows shapes in pictures.
+//! makes and validates shapes, and `rounded` rounds them. `acceptance` says at which poses a shape
+//! can be placed, and `placed` places it in the world, at a `stand`. `part_finder` finds the parts of
+//! a placed compound, and `form` has the representations. `triangles` shows shapes in pictures.
 //!
 //! Tests: `tests/it/shapes`. Benchmark: `shapes`.
 
+mod acceptance;
 mod constructors;
 mod corners;
 mod form;
 mod kind;
-mod part_tree;
+mod part_finder;
 mod placed;
 mod round;
 mod rounded;
 mod stand;
 mod triangles;
 
+pub(crate) use acceptance::Acceptance;
 pub(crate) use form::Form;
 pub use kind::Shape;
 pub use placed::PlacedShape;

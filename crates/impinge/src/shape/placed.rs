@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::form::Form;
 use super::kind::{Kind, RoundCore, Shape};
-use super::part_tree::PartTree;
+use super::part_finder::PartFinder;
 use super::stand::{Bounds, Stand};
 use crate::convex::{Core, Faceted, HalfSpace, Surface, Swept};
 use crate::input::InputError;
@@ -30,13 +30,12 @@ pub struct PlacedShape {
 #[derive(Clone, Debug)]
 pub(super) struct Parts {
     pub(super) all: Vec<PlacedShape>,
-    tree: Option<PartTree>,
+    finder: PartFinder,
 }
 
 impl Parts {
     pub(super) fn new(all: Vec<PlacedShape>) -> Self {
-        let tree = PartTree::of(all.iter().map(PlacedShape::bounds));
-        Self { all, tree }
+        Self { all, finder: PartFinder::default() }
     }
 }
 
@@ -65,28 +64,6 @@ impl Shape {
             None => placed.stand.bounds = Bounds::of(placed.world_bounds()),
         }
         Ok(placed)
-    }
-}
-
-impl Shape {
-    /// Reports whether the shape accepts every pose: it is a polytope, a half-space, a
-    /// height field or a mesh.
-    pub(crate) fn is_affine(&self) -> bool {
-        matches!(&self.0, Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Field(_) | Kind::Mesh { .. })
-    }
-
-    /// Checks whether the shape accepts a pose, without placing it.
-    ///
-    /// # Errors
-    /// As for [`at`](Self::at).
-    pub(crate) fn check_pose(&self, world_from_local: &Pose) -> Result<(), InputError> {
-        match &self.0 {
-            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Field(_) | Kind::Mesh { .. } => Ok(()),
-            Kind::Round { radius, .. } => images_of_radius(*radius, world_from_local).map(drop),
-            Kind::Compound(parts) => parts.iter().try_for_each(|(part, compound_from_part)| {
-                part.check_pose(&world_from_local.compose(compound_from_part)?)
-            }),
-        }
     }
 }
 
@@ -198,11 +175,11 @@ impl PlacedShape {
             self.stand = stand;
         }
         if let (Kind::Compound(shapes), Some(parts)) = (&self.kind, &mut self.parts) {
-            let Parts { all, tree } = Arc::make_mut(parts);
+            let Parts { all, finder } = Arc::make_mut(parts);
             for ((_, compound_from_part), part) in shapes.iter().zip(&mut *all) {
                 part.move_to(&world_from_local.compose(compound_from_part)?)?;
             }
-            *tree = PartTree::of(all.iter().map(Self::bounds));
+            *finder = PartFinder::default();
             self.stand = Stand::at(*world_from_local);
             self.stand.bounds = Bounds::of(self.world_bounds());
         }
@@ -263,18 +240,15 @@ impl PlacedShape {
     /// Returns the indices of the parts that may be within `reach` of a box, in ascending order.
     /// Returns all parts if there is no box.
     pub(crate) fn parts_near(&self, bounds: Option<[[f64; 3]; 2]>, reach: f64) -> Vec<u32> {
-        let near = self.part_tree().and_then(|tree| tree.near(bounds, reach));
+        let near = self.parts.as_ref().and_then(|parts| parts.finder.near(&parts.all, bounds, reach));
         near.unwrap_or_else(|| (0..self.parts().len() as u32).collect())
     }
 
-    /// Returns a part whose box is nearest to a point, or `None` if there is no tree.
+    /// Returns a part whose box is nearest to a point, or `None` if there are few parts, or if none
+    /// has a box.
     pub(crate) fn part_nearest(&self, point: [f64; 3]) -> Option<u32> {
-        self.part_tree()?.nearest(point)
-    }
-
-    /// Returns the tree over the parts, if this is a compound of many parts.
-    fn part_tree(&self) -> Option<&PartTree> {
-        self.parts.as_deref()?.tree.as_ref()
+        let parts = self.parts.as_ref()?;
+        parts.finder.nearest(&parts.all, point)
     }
 
     /// Returns the box of all parts, which are placed, if they are bounded.

@@ -89,11 +89,15 @@ impl<'e> Batch<'e> {
         let budget = self.execution.budget();
         let answer = |cache: &mut Cache, row: usize| {
             let sources = self.broadcast.sources(row);
-            let [a, b] = match [0, 1].map(|side| self.sides[side].at(sources[side])) {
-                [Ok(a), Ok(b)] => [a, b],
-                [Err(fault), _] | [_, Err(fault)] => return (safe.clone(), Status::of(&fault)),
-            };
+            if let [Err(fault), _] | [_, Err(fault)] = [0, 1].map(|side| self.sides[side].check(sources[side])) {
+                return (safe.clone(), Status::of(fault));
+            }
+            // Placing a compound of many parts takes longer than most questions.
             if budget.stopped().is_none() {
+                let [a, b] = match [0, 1].map(|side| self.sides[side].at(sources[side])) {
+                    [Ok(a), Ok(b)] => [a, b],
+                    [Err(fault), _] | [_, Err(fault)] => return (safe.clone(), Status::of(&fault)),
+                };
                 let found = ask(Query::new().with_cache(cache).with_budget(budget), a, b);
                 if budget.stopped().is_none() {
                     return (found, Status::Ok);

@@ -151,3 +151,22 @@ fn rows_that_are_not_complete_are_marked() {
     assert_eq!(batch.with_execution(execution).distance(), Ok(all));
     assert_eq!(enough.stopped(), None);
 }
+
+/// Placing all parts for all rows would take more than a minute.
+#[test]
+fn a_spent_budget_places_no_compound() {
+    let sphere = Shape::sphere([0.0; 3], 0.25).expect("a sphere");
+    let parts: Vec<_> = (0..20_000)
+        .map(|at| (sphere.clone(), Pose::from_translation([f64::from(at), 0.0, 0.0]).expect("a pose")))
+        .collect();
+    let compound = Shape::compound(&parts).expect("a compound");
+    let poses = vec![Pose::IDENTITY; 20_000];
+    let begun = Instant::now();
+    let batch = Batch::new(&compound, &sphere, poses.clone(), Pose::IDENTITY).expect("rows");
+    let budget = Budget::new().with_steps(0);
+    let answers = batch.clone().with_execution(Execution::default().with_budget(&budget)).intersects();
+    let answers = answers.expect("only a canceled batch ends without answers");
+    assert!(answers.values.iter().all(|&found| found));
+    assert!(answers.status.iter().all(|&status| status == Status::OutOfBudget));
+    assert!(begun.elapsed() < Duration::from_secs(8), "{:?}", begun.elapsed());
+}
