@@ -220,17 +220,17 @@ impl Check<'_> {
         for link in (0..frames.len()).filter(|&link| robot.links()[link].shape.is_some()) {
             let clearance = self.options.padding.get(link).copied().unwrap_or(0.0);
             let limbs = culling.limbs(link, robot.proxies(), frames);
-            if limbs.is_some_and(|(limbs, slack)| !self.obstacles.may_be_near(limbs, clearance + slack)) {
-                continue;
-            }
-            links.place(link, robot, frames);
-            let placed = &links.placed[link];
-            self.obstacles.near((link, placed), clearance, near);
+            self.obstacles.near(link, limbs, clearance, near);
             for &at in &*near {
                 if budget.is_spent() {
                     return found;
                 }
+                links.place(link, robot, frames);
+                let placed = &links.placed[link];
                 let (part, obstacle) = self.obstacles.part(at);
+                if !may_be_near(placed, obstacle, clearance) {
+                    continue;
+                }
                 let cache = obstacle_caches.entry((link, at)).or_default();
                 let proximity = proximity([placed, obstacle], clearance, cache, budget);
                 found.extend(collision(link, Other::Obstacle(part), proximity));

@@ -128,6 +128,20 @@ impl Robot {
             if least > best.upper || best.upper == 0.0 || budget.is_spent() {
                 break;
             }
+            let mut is_beyond = |reach: f64| match subject {
+                Subject::Link(other) => {
+                    let bound = reach.next_up();
+                    culling.least_distance_of_hulls([link, other], bound, self.proxies(), frames) > reach
+                }
+                Subject::Obstacle(at) => {
+                    let limbs = culling.limbs(link, self.proxies(), frames);
+                    limbs.is_some_and(|limbs| !obstacles.may_reach(limbs, at, reach))
+                }
+            };
+            let reach = best.upper.min(limit);
+            if reach < f64::INFINITY && is_beyond(reach) {
+                continue;
+            }
             links.place(link, self, frames);
             let other = match subject {
                 Subject::Link(other) => {

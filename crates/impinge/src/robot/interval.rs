@@ -270,9 +270,20 @@ impl<'s> Scan<'s> {
         }
         near.clear();
         self.obstacles.distances(link, limbs, limit, |at, least| near.push((least, at)));
-        near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let by_distance = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        near.sort_unstable_by(by_distance);
         // All others are beyond the limit.
-        let least = near.first().map_or(limit.next_up(), |(least, _)| *least);
+        let mut least = limit.next_up();
+        for (distance, at) in &mut *near {
+            if *distance >= least {
+                break;
+            }
+            if let Some(limbs) = limbs.filter(|_| wish.is_exact) {
+                *distance = distance.max(self.obstacles.least_distance(limbs, *at));
+            }
+            least = least.min(*distance);
+        }
+        near.sort_unstable_by(by_distance);
         let radius = culling.thickness(link);
         if !wish.is_exact || (least > clearance && least - clearance > EXACT_SHARE * radius) {
             return Answer::Free(reach.half(least, wish.half));

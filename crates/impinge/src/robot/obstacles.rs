@@ -4,14 +4,20 @@ use std::collections::HashSet;
 use std::ops::ControlFlow;
 
 use super::cull::Limb;
-use super::links::{PlacedLink, may_be_near};
+use super::links::PlacedLink;
+use crate::convex::{self, Core, Surface, Swept};
+use crate::math::Pose;
 use crate::partition::{BoxTree, Partition};
 use crate::scene::{PartId, Scene};
-use crate::volume::MinMax;
+use crate::shape::Form;
+use crate::volume::{MinMax, Proximity};
 
 /// Maximum number of obstacles whose boxes are compared one by one. For more of them a tree finds
 /// the boxes that are near.
 const MAX_LISTED: usize = 16;
+
+/// Maximum magnitude of a coordinate of a capsule that is compared with shapes, 2^100.
+const MAX_COORDINATE: f64 = (1_u128 << 100) as f64;
 
 /// Obstacles at their places.
 #[derive(Debug)]
@@ -69,44 +75,70 @@ impl Obstacles {
     }
 
     /// Finds the obstacles that may be within a clearance of a link, in the order of the scene.
-    pub(super) fn near(&self, link: (usize, &PlacedLink), clearance: f64, found: &mut Vec<usize>) {
+    /// `limbs` are the capsules about the link, if any are known, and the rounding of their places.
+    pub(super) fn near(&self, link: usize, limbs: Option<(&[Limb], f64)>, clearance: f64, found: &mut Vec<usize>) {
         found.clear();
-        let (number, placed) = link;
-        let is_near = |&at: &usize| {
-            let (part, obstacle) = &self.parts[at];
-            may_be_near(placed, obstacle, clearance) && !self.ignored.contains(&(number, *part))
+        let Some((limbs, slack)) = limbs else {
+            found.extend((0..self.parts.len()).filter(|&at| self.is_compared(link, at)));
+            return;
         };
-        match (&self.tree, grown(placed, clearance)) {
-            (Some(tree), Some(bounds)) => {
-                _ = tree.overlapping(&bounds, &mut |key| {
-                    found.push(key as usize);
-                    ControlFlow::Continue(())
-                });
-                found.extend(&self.unbounded);
-                found.retain(|at| is_near(at));
-                found.sort_unstable();
-            }
-            _ => found.extend((0..self.parts.len()).filter(is_near)),
+        let clearance = clearance_with(clearance, slack);
+        for limb in limbs {
+            _ = self.overlapping(limb, clearance, &mut |at| {
+                let is_new = !found.contains(&at) && self.is_compared(link, at);
+                if is_new && may_reach(limb, &self.parts[at].1, clearance) {
+                    found.push(at);
+                }
+                ControlFlow::Continue(())
+            });
         }
+        found.sort_unstable();
+    }
+
+    /// Reports whether an obstacle may be within a clearance of a link that is in some capsules.
+    pub(super) fn may_reach(&self, (limbs, slack): (&[Limb], f64), at: usize, clearance: f64) -> bool {
+        let clearance = clearance_with(clearance, slack);
+        limbs.iter().any(|limb| may_reach(limb, &self.parts[at].1, clearance))
+    }
+
+    /// Returns a lower bound of the distance of an obstacle and a link that is in some capsules.
+    pub(super) fn least_distance(&self, (limbs, slack): (&[Limb], f64), at: usize) -> f64 {
+        let distances = limbs.iter().map(|limb| least_distance(limb, &self.parts[at].1));
+        (distances.fold(f64::INFINITY, f64::min) - slack).max(0.0)
+    }
+
+    /// Reports whether an obstacle is compared with a link.
+    fn is_compared(&self, link: usize, at: usize) -> bool {
+        let (part, placed) = &self.parts[at];
+        !placed.is_nowhere() && (self.ignored.is_empty() || !self.ignored.contains(&(link, *part)))
     }
 
     /// Reports whether capsules may be within a clearance of an obstacle, by the box of each.
     pub(super) fn may_be_near(&self, limbs: &[Limb], clearance: f64) -> bool {
-        if !self.unbounded.is_empty() {
-            return true;
+        let found = |_| ControlFlow::Break(());
+        limbs.iter().any(|limb| self.overlapping(limb, clearance, &mut { found }).is_break())
+    }
+
+    /// Calls `visit` with the index of each obstacle that may be within a clearance of a capsule, by
+    /// the boxes of both, until it breaks.
+    fn overlapping(
+        &self,
+        limb: &Limb,
+        clearance: f64,
+        visit: &mut impl FnMut(usize) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let [start, end] = limb.ends;
+        let reach = (limb.radius + clearance).next_up();
+        let min = std::array::from_fn(|k| (start[k].min(end[k]) - reach).next_down());
+        let max = std::array::from_fn(|k| (start[k].max(end[k]) + reach).next_up());
+        self.unbounded.iter().try_for_each(|&at| visit(at))?;
+        if let (Some(tree), Ok(bounds)) = (&self.tree, MinMax::new(min, max)) {
+            return tree.overlapping(&bounds, &mut |key| visit(key as usize));
         }
-        limbs.iter().any(|limb| {
-            let [start, end] = limb.ends;
-            let reach = (limb.radius + clearance).next_up();
-            let min = std::array::from_fn(|k| (start[k].min(end[k]) - reach).next_down());
-            let max = std::array::from_fn(|k| (start[k].max(end[k]) + reach).next_up());
-            // Bounds that are not numbers overlap everything.
-            let overlaps = |[low, high]: [[f64; 3]; 2]| (0..3).all(|k| !(min[k] > high[k] || low[k] > max[k]));
-            match (&self.tree, MinMax::new(min, max)) {
-                (Some(tree), Ok(bounds)) => tree.overlapping(&bounds, &mut |_| ControlFlow::Break(())).is_break(),
-                _ => self.parts.iter().any(|(_, placed)| placed.bounds().is_some_and(overlaps)),
-            }
-        })
+        // Bounds that are not numbers overlap everything.
+        let overlaps = |[low, high]: [[f64; 3]; 2]| (0..3).all(|k| !(min[k] > high[k] || low[k] > max[k]));
+        let mut all = (0..self.parts.len()).filter(|&at| self.parts[at].1.bounds().is_some_and(overlaps));
+        all.try_for_each(visit)
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -120,6 +152,11 @@ impl Obstacles {
     }
 }
 
+/// Returns a clearance and the rounding of the places of capsules, rounded up.
+fn clearance_with(clearance: f64, slack: f64) -> f64 {
+    if slack > 0.0 { (clearance + slack).next_up() } else { clearance }
+}
+
 /// Returns a lower bound of the distance of a capsule and a box: that of the box about the capsule.
 fn gap_of_box(limb: &Limb, [min, max]: [[f64; 3]; 2]) -> f64 {
     let [start, end] = limb.ends;
@@ -128,9 +165,122 @@ fn gap_of_box(limb: &Limb, [min, max]: [[f64; 3]; 2]) -> f64 {
     squared.sqrt() * (1.0 - 16.0 * f64::EPSILON) - limb.radius
 }
 
-/// Returns the box about a link, grown by a clearance, rounded outwards.
-fn grown(placed: &PlacedLink, clearance: f64) -> Option<MinMax> {
-    let [min, max] = placed.bounds()?;
-    let grow = |x: f64| if clearance > 0.0 { (x + clearance).next_up() } else { x };
-    MinMax::new(min.map(|x| -grow(-x)), max.map(grow)).ok()
+/// Reports whether a capsule may be within a clearance of an obstacle.
+fn may_reach(limb: &Limb, placed: &PlacedLink, clearance: f64) -> bool {
+    let (PlacedLink::At(shape), Some(capsule)) = (placed, capsule_of(limb, clearance)) else { return true };
+    shape.parts_near(Some(capsule.world_bounds()), clearance).into_iter().any(|part| {
+        let proximity = match shape.parts()[part as usize].form() {
+            Form::Surface(surface) if is_open_solid(&surface) => Proximity::Undecided,
+            Form::Surface(surface) => surface.nearness(&capsule, clearance),
+            Form::Field(field) => field.nearness(&capsule, clearance),
+            Form::Convex(set) => convex::nearness(&capsule, &set, clearance),
+            Form::HalfSpace(plane) => plane.nearness(&capsule, clearance),
+        };
+        proximity != Proximity::Apart
+    })
+}
+
+/// Returns a lower bound of the distance of a capsule and an obstacle. It is zero if they may
+/// intersect.
+fn least_distance(limb: &Limb, placed: &PlacedLink) -> f64 {
+    let (PlacedLink::At(shape), Some(capsule)) = (placed, capsule_of(limb, 0.0)) else { return 0.0 };
+    let distances = shape.parts().iter().map(|part| match part.form() {
+        Form::Surface(surface) if is_open_solid(&surface) => 0.0,
+        Form::Surface(surface) => surface.separation(&capsule).lower,
+        Form::Field(field) => field.separation(&capsule).lower,
+        Form::Convex(set) => convex::separation(&capsule, &set).lower,
+        Form::HalfSpace(plane) => plane.separation(&capsule).lower,
+    });
+    distances.fold(f64::INFINITY, f64::min)
+}
+
+/// Returns a capsule as a convex set, or `None` if it is too far away or too large.
+fn capsule_of(limb: &Limb, clearance: f64) -> Option<Swept<'_>> {
+    let mut numbers = limb.ends.as_flattened().iter().chain([&limb.radius, &clearance]);
+    let capsule = Swept { core: Core::Points(&limb.ends), pose: &Pose::IDENTITY, radius: [limb.radius; 2] };
+    numbers.all(|x| x.abs() <= MAX_COORDINATE).then_some(capsule)
+}
+
+/// Reports whether a surface is that of a solid with holes. It may enclose a point of a link and no
+/// point that was tested of the capsule about the link.
+fn is_open_solid(surface: &Surface<'_>) -> bool {
+    surface.is_solid && !surface.mesh.is_closed()
+}
+
+#[cfg(test)]
+mod tests {
+    use impinge_testkit::generate::Rng;
+    use impinge_testkit::generate::solids::cuboid;
+
+    use super::*;
+    use crate::mesh::{Mesh, Positions};
+    use crate::query;
+    use crate::shape::Shape;
+
+    fn mesh(plain: impinge_testkit::Mesh) -> Mesh {
+        Mesh::new(Positions::F64(plain.vertices), plain.faces).expect("a mesh")
+    }
+
+    /// Capsules on a half-integer grid among shapes of all kinds that are near by their boxes. The
+    /// obstacles that are found are exactly those that queries find, except for an open solid.
+    #[test]
+    fn obstacles_near_capsules_are_those_of_queries() {
+        let room = mesh(cuboid([-4.0; 3], [4.0; 3]));
+        let block = mesh(cuboid([-0.5; 3], [0.5; 3]));
+        let mut open = cuboid([1.0; 3], [3.0; 3]);
+        open.faces.truncate(11);
+        let open = mesh(open);
+        let bars = [-1.0, 1.0].map(|x| {
+            let bar = Shape::cuboid([0.25, 2.0, 0.25]).expect("a bar");
+            (bar, Pose::from_translation([x, 0.0, 0.0]).expect("a pose"))
+        });
+        let shapes = [
+            Shape::from(&room),
+            Shape::from(block.solid()),
+            Shape::from(open.solid()),
+            Shape::compound(&bars).expect("a compound"),
+            Shape::sphere([0.0; 3], 1.0).expect("a sphere"),
+            Shape::half_space([0.0, 0.0, 1.0], -3.0).expect("a half-space"),
+        ];
+        let mut rng = Rng::new(56);
+        let (mut near, mut apart, mut of_boxes) = (0, 0, 0);
+        for round in 0..200 {
+            let mut scene = Scene::new();
+            for part in 0..[shapes.len(), 4 * shapes.len()][round % 2] {
+                let moved = Pose::from_translation([0; 3].map(|_| rng.integer(-4, 4) as f64));
+                let (shape, moved) = (shapes[part % shapes.len()].clone(), moved.expect("a pose"));
+                scene.add(part.to_string(), shape, moved).expect("a part");
+            }
+            let ignored: Vec<_> = scene.parts().filter(|part| part.index() % 5 == 4).map(|part| (1, part)).collect();
+            let obstacles = Obstacles::new(Some(&scene), &ignored);
+            let limbs: Vec<Limb> = (0..2)
+                .map(|_| Limb { ends: [[0; 3]; 2].map(|x| x.map(|_| 0.5 * rng.integer(-8, 8) as f64)), radius: 0.5 })
+                .collect();
+            let (link, clearance) = (round / 2 % 2, 0.25 * (round / 4 % 3) as f64);
+            let mut found = Vec::new();
+            obstacles.near(link, Some((&limbs, 0.0)), clearance, &mut found);
+            for (at, part) in scene.parts().enumerate() {
+                let obstacle = scene.shape(part).at(*scene.pose(part)).expect("a place");
+                let is_near = limbs.iter().any(|limb| {
+                    let capsule = Shape::capsule(limb.ends[0], limb.ends[1], limb.radius + clearance);
+                    let capsule = capsule.expect("a capsule").at(Pose::IDENTITY).expect("a place");
+                    query::proximity(&capsule, &obstacle) != Proximity::Apart
+                });
+                let is_near = is_near && !ignored.contains(&(link, part));
+                if at % shapes.len() == 2 {
+                    assert!(!is_near || found.contains(&at), "{limbs:?}");
+                    continue;
+                }
+                assert_eq!(found.contains(&at), is_near, "part {at}: {limbs:?} {clearance}");
+                near += u32::from(is_near);
+                let has_near_box = limbs
+                    .iter()
+                    .any(|limb| obstacle.bounds().is_none_or(|bounds| gap_of_box(limb, bounds) <= clearance));
+                of_boxes += u32::from(!is_near && has_near_box && !ignored.contains(&(link, part)));
+                apart += u32::from(!is_near);
+            }
+            assert!(found.is_sorted());
+        }
+        assert!(near > 400 && apart > 400 && of_boxes > 100, "{near} {apart} {of_boxes}");
+    }
 }
