@@ -27,6 +27,10 @@ pub(super) struct Ragged {
 }
 
 impl Ragged {
+    fn with_capacity(lists: usize, entries: usize) -> Self {
+        Self { ends: Vec::with_capacity(lists), entries: Vec::with_capacity(entries) }
+    }
+
     fn close(&mut self) {
         self.ends.push(self.entries.len() as u32);
     }
@@ -39,6 +43,28 @@ impl Ragged {
 
     pub(super) fn len(&self) -> usize {
         self.ends.len()
+    }
+
+    /// Returns for each number below `count` the lists that contain it, in ascending order.
+    fn lists_with(&self, count: usize) -> Self {
+        let mut ends = vec![0; count];
+        for &entry in &self.entries {
+            ends[entry as usize] += 1;
+        }
+        // The end of each list is its start until its entries are written.
+        let mut start = 0;
+        for end in &mut ends {
+            start += std::mem::replace(end, start);
+        }
+        let mut entries = vec![0; self.entries.len()];
+        for list in 0..self.len() as u32 {
+            for &entry in self.list(list) {
+                let end = &mut ends[entry as usize];
+                entries[*end as usize] = list;
+                *end += 1;
+            }
+        }
+        Self { ends, entries }
     }
 }
 
@@ -57,23 +83,13 @@ impl Facets {
     /// Builds the facets of a hull. Corners have the hull's own numbers.
     pub(crate) fn of_hull(hull: &Hull) -> Self {
         let corners: Vec<(u32, [f64; 3])> = (0..).zip(hull.positions().iter().copied()).collect();
-        let mut neighbors = Ragged::default();
+        let mut neighbors = Ragged::with_capacity(corners.len(), 6 * corners.len());
         for &(corner, _) in &corners {
             neighbors.entries.extend(hull.neighbors(corner));
             neighbors.close();
         }
         let outlines = outlines(hull);
-        let mut found: Vec<Vec<u32>> = vec![Vec::new(); corners.len()];
-        for facet in 0..outlines.len() as u32 {
-            for &corner in outlines.list(facet) {
-                found[corner as usize].push(facet);
-            }
-        }
-        let mut facets_at = Ragged::default();
-        for facets in found {
-            facets_at.entries.extend(facets);
-            facets_at.close();
-        }
+        let facets_at = outlines.lists_with(corners.len());
         Self { corners, neighbors, outlines, facets_at }
     }
 }
@@ -85,7 +101,7 @@ fn outlines(hull: &Hull) -> Ragged {
     // Faces are sorted, and so are the fans by their first corner. The next face of a fan is found
     // by its first edge.
     let faces = hull.faces();
-    let mut outlines = Ragged::default();
+    let mut outlines = Ragged::with_capacity(faces.len(), 3 * faces.len());
     for face in faces.iter().filter(|face| is_edge(face[0], face[1])) {
         outlines.entries.extend(face);
         let [center, _, mut last] = *face;
@@ -116,6 +132,24 @@ mod tests {
         }
         assert!((0..8).all(|corner| facets.facets_at.list(corner).len() == 3));
         assert!((0..8).all(|corner| facets.neighbors.list(corner).len() == 3));
+    }
+
+    #[test]
+    fn every_corner_lists_the_facets_that_contain_it() {
+        let mut rng = impinge_testkit::generate::Rng::new(573);
+        let mut listed = 0;
+        for _ in 0..200 {
+            // Points of a small grid have facets with many corners.
+            let points: Vec<[f64; 3]> = (0..16).map(|_| [0; 3].map(|_: i32| rng.integer(-2, 2) as f64)).collect();
+            let facets = Facets::of_points(&points).expect("a hull");
+            for corner in 0..facets.corners.len() as u32 {
+                let all = 0..facets.outlines.len() as u32;
+                let found: Vec<u32> = all.filter(|&facet| facets.outlines.list(facet).contains(&corner)).collect();
+                assert_eq!(facets.facets_at.list(corner), found);
+                listed += found.len();
+            }
+        }
+        assert!(listed > 5_000, "{listed}");
     }
 
     #[test]
