@@ -36,7 +36,7 @@ pub(super) fn certainly_intersect(pair: &Pair<'_>, simplex: &[Difference]) -> bo
 /// the differences. Then the cores have a common point.
 pub(super) fn polytope_holds_origin(pair: &Pair<'_>, simplex: &[Difference]) -> bool {
     around_simplex(pair, simplex)
-        .and_then(|mut polytope| polytope.nearest())
+        .and_then(|polytope| polytope.nearest())
         .is_some_and(|nearest| nearest.lower > pair.point_error())
 }
 
@@ -95,8 +95,8 @@ fn hull_of_more(pair: &Pair<'_>, simplex: &[Difference]) -> Option<Polytope> {
     let vectors: Vec<[f64; 3]> = points.iter().map(|point| point.vector).collect();
     let hull = Hull::new(&vectors).ok()?;
     (hull.kind() == HullKind::Solid).then(|| {
-        let points = hull.vertices().iter().map(|&vertex| points[vertex as usize]).collect();
-        Polytope::new(points, hull.faces())
+        let points: Vec<Difference> = hull.vertices().iter().map(|&vertex| points[vertex as usize]).collect();
+        Polytope::new(&points, hull.faces())
     })
 }
 
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn points_to_either_side_are_enough_about_a_face_and_an_edge() {
         let lower =
-            |polytope: Option<Polytope>| polytope.and_then(|mut polytope| polytope.nearest()).map(|near| near.lower);
+            |polytope: Option<Polytope>| polytope.and_then(|polytope| polytope.nearest()).map(|near| near.lower);
         found(&PYRAMIDS, |pair, all| {
             // The nearest planes are those over the edges to the far corner, whose triangle is
             // 2/√10 wide and 1 high.

@@ -193,7 +193,8 @@ struct Candidate {
 
 fn expand(pair: &Pair<'_>, gap: &Gap, effort: Effort) -> CoreDepth {
     let mut best = CoreDepth { lower: 0.0, upper: f64::INFINITY, direction: [1.0, 0.0, 0.0], points: gap.points };
-    let mut known: Vec<Difference> = gap.simplex.to_vec();
+    let mut known = Vec::with_capacity(gap.simplex.len() + 2 * AXES.len());
+    known.extend_from_slice(&gap.simplex);
     for direction in both_ways(&AXES) {
         offer(pair, &mut best, &mut known, &Candidate { lower: 0.0, direction, face: None });
     }

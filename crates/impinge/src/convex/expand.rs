@@ -18,9 +18,6 @@
 //!
 //! The test is `the_surface_stays_closed` below.
 
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
-
 use super::facet::Facet;
 use super::posed::Difference;
 use super::simplex;
@@ -55,13 +52,25 @@ pub(super) struct Polytope {
     /// All triangles. A removed triangle keeps its place until a new one needs it.
     triangles: Vec<Triangle>,
     vacant: Vec<u32>,
-    /// Triangles by their bound, with some entries of removed triangles.
-    order: BinaryHeap<Entry>,
+    /// For each triangle, a lower bound on the distance of the origin below its plane, side by side
+    /// because every step reads all of them. It is infinite for a removed triangle, and for a
+    /// triangle without area, which bounds nothing. It is negative infinity if such a triangle may
+    /// hold the origin.
+    bounds: Vec<f64>,
     /// Buffers of a step, kept to reuse their memory.
     removed: Vec<u32>,
     border: Vec<BorderEdge>,
     unlinked: Vec<Unlinked>,
+    /// For each point, the new triangle whose border edge starts there, or [`NONE`].
+    starts: Vec<u32>,
 }
+
+/// Value that stands for "no triangle".
+const NONE: u32 = u32::MAX;
+
+/// Number of points that a polytope reserves memory for. Most depths need fewer. With less memory,
+/// the points of more depths are copied to larger memory; with more memory, none is copied.
+const RESERVED_POINTS: usize = 32;
 
 #[derive(Clone, Copy)]
 struct Triangle {
@@ -70,10 +79,6 @@ struct Triangle {
     neighbors: [Side; 3],
     is_listed: bool,
     direction: [f64; 3],
-    /// Lower bound on the distance of the origin below the plane. It is infinite for a triangle
-    /// without area, which bounds nothing, and negative infinity if such a triangle may hold the
-    /// origin.
-    lower: f64,
     /// Height of the plane along `direction`, whose length is not 1.
     height: f64,
 }
@@ -97,28 +102,6 @@ struct Unlinked {
     side: Side,
 }
 
-/// Entry of the queue, ordered so that the least bound is the greatest entry. The first triangle
-/// wins a tie.
-#[derive(PartialEq)]
-struct Entry {
-    lower: f64,
-    triangle: u32,
-}
-
-impl Eq for Entry {}
-
-impl PartialOrd for Entry {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Entry {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.lower.total_cmp(&self.lower).then(other.triangle.cmp(&self.triangle))
-    }
-}
-
 /// The triangle nearest to the origin.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearest {
@@ -138,29 +121,31 @@ impl Polytope {
         let is_above = Facet::of(&p.vector, &q.vector, &r.vector)
             .is_some_and(|facet| dot(&facet.direction, &sub(&s.vector, &p.vector)) > 0.0);
         let [q, r] = if is_above { [r, q] } else { [q, r] };
-        let mut polytope = Self::new(vec![p, q, r, s], &[[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]);
+        let mut polytope = Self::new(&[p, q, r, s], &[[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]);
         for point in more {
             let seen = polytope.seen_from(&point.vector);
             if seen.is_some_and(|at| !polytope.put_over(at, *point)) {
                 return None;
             }
         }
-        let is_beyond = |triangle: &Triangle| triangle.lower > 0.0 && triangle.lower.is_finite();
-        polytope.triangles.iter().filter(|triangle| triangle.is_listed).all(is_beyond).then_some(polytope)
+        let bounds = polytope.triangles.iter().zip(&polytope.bounds).filter(|(triangle, _)| triangle.is_listed);
+        bounds.map(|(_, bound)| *bound).all(|bound| bound > 0.0 && bound.is_finite()).then_some(polytope)
     }
 
     /// Builds the closed surface of these triangles.
-    pub(super) fn new(points: Vec<Difference>, faces: &[[u32; 3]]) -> Self {
+    pub(super) fn new(points: &[Difference], faces: &[[u32; 3]]) -> Self {
         let mut polytope = Self {
-            vectors: points.iter().map(|point| point.vector).collect(),
-            points,
-            triangles: Vec::with_capacity(64),
-            vacant: Vec::new(),
-            order: BinaryHeap::with_capacity(64),
-            removed: Vec::new(),
-            border: Vec::new(),
+            points: Vec::with_capacity(RESERVED_POINTS.max(points.len())),
+            vectors: Vec::with_capacity(RESERVED_POINTS.max(points.len())),
+            triangles: Vec::with_capacity(2 * RESERVED_POINTS),
+            vacant: Vec::with_capacity(RESERVED_POINTS),
+            bounds: Vec::with_capacity(2 * RESERVED_POINTS),
+            removed: Vec::with_capacity(RESERVED_POINTS),
+            border: Vec::with_capacity(RESERVED_POINTS),
             unlinked: Vec::new(),
+            starts: Vec::with_capacity(RESERVED_POINTS),
         };
+        points.iter().for_each(|point| polytope.add(*point));
         for &face in faces {
             let triangle = polytope.push(face);
             for edge in 0..3 {
@@ -170,17 +155,17 @@ impl Polytope {
         polytope
     }
 
-    /// Returns the triangle with the least bound, or `None` if no triangle has a finite one.
-    pub(super) fn nearest(&mut self) -> Option<Nearest> {
-        loop {
-            let &Entry { lower, triangle: at } = self.order.peek()?;
-            let triangle = &self.triangles[at as usize];
-            if triangle.is_listed && triangle.lower == lower {
-                let direction = triangle.direction;
-                return lower.is_finite().then_some(Nearest { lower, direction, at });
-            }
-            self.order.pop();
-        }
+    /// Returns the first triangle with the least bound, or `None` if no triangle has a finite one.
+    pub(super) fn nearest(&self) -> Option<Nearest> {
+        let lower = self.bounds.iter().fold(f64::INFINITY, |least, &bound| if bound < least { bound } else { least });
+        let at = self.bounds.iter().position(|&bound| bound == lower)?;
+        lower.is_finite().then(|| Nearest { lower, direction: self.triangles[at].direction, at: at as u32 })
+    }
+
+    fn add(&mut self, point: Difference) {
+        self.points.push(point);
+        self.vectors.push(point.vector);
+        self.starts.push(NONE);
     }
 
     /// Adds a point that is beyond the plane of a triangle. Returns `false` if it is already a
@@ -198,22 +183,41 @@ impl Polytope {
     /// that see it too. Returns `false` if the surface is tangled.
     fn put_over(&mut self, at: u32, point: Difference) -> bool {
         let number = self.points.len() as u32;
-        self.points.push(point);
-        self.vectors.push(point.vector);
+        self.add(point);
         self.remove_seen(at, &point.vector);
         let listed = self.triangles.len() - self.vacant.len();
         if listed + self.border.len() > MAX_TRIANGLES_PER_POINT * self.points.len() {
             return false;
         }
-        let mut border = std::mem::take(&mut self.border);
-        for BorderEdge { ends: [from, to], beyond } in border.drain(..) {
+        let border = std::mem::take(&mut self.border);
+        let mut is_simple = true;
+        for &BorderEdge { ends: [from, to], beyond } in &border {
             let triangle = self.push([from, to, number]);
             self.link(Side { triangle, edge: 0 }, beyond);
-            self.link_with_reverse(Side { triangle, edge: 1 });
-            self.link_with_reverse(Side { triangle, edge: 2 });
+            is_simple &= std::mem::replace(&mut self.starts[from as usize], triangle) == NONE;
         }
+        self.link_cone(&border, is_simple);
         self.border = border;
+        self.border.clear();
         true
+    }
+
+    /// Links the sides of the new triangles over a border that share an edge. A border is simple if
+    /// no two of its edges start at one point. A surface that rounding has bent may have others.
+    fn link_cone(&mut self, border: &[BorderEdge], is_simple: bool) {
+        if is_simple {
+            for &BorderEdge { ends: [from, to], .. } in border {
+                let [triangle, next] = [from, to].map(|point| self.starts[point as usize]);
+                self.link(Side { triangle, edge: 1 }, Side { triangle: next, edge: 2 });
+            }
+        } else {
+            for &BorderEdge { beyond: Side { triangle: outside, edge }, .. } in border {
+                let triangle = self.triangles[outside as usize].neighbors[usize::from(edge)].triangle;
+                self.link_with_reverse(Side { triangle, edge: 1 });
+                self.link_with_reverse(Side { triangle, edge: 2 });
+            }
+        }
+        border.iter().for_each(|edge| self.starts[edge.ends[0] as usize] = NONE);
     }
 
     /// Returns the points of A and of B whose difference is the point of the surface along a
@@ -263,8 +267,9 @@ impl Polytope {
             }
         }
         for &at in &self.removed {
-            let Triangle { corners, neighbors, .. } = self.triangles[at as usize];
-            for (edge, beyond) in neighbors.into_iter().enumerate() {
+            self.bounds[at as usize] = f64::INFINITY;
+            let Triangle { corners, neighbors, .. } = &self.triangles[at as usize];
+            for (edge, &beyond) in neighbors.iter().enumerate() {
                 if self.triangles[beyond.triangle as usize].is_listed {
                     self.border.push(BorderEdge { ends: [corners[edge], corners[(edge + 1) % 3]], beyond });
                 }
@@ -290,12 +295,14 @@ impl Polytope {
         };
         let at = self.vacant.pop().unwrap_or(self.triangles.len() as u32);
         let neighbors = [0, 1, 2].map(|edge| Side { triangle: at, edge });
-        let triangle = Triangle { corners, neighbors, is_listed: true, direction, lower, height };
-        match self.triangles.get_mut(at as usize) {
-            Some(place) => *place = triangle,
-            None => self.triangles.push(triangle),
+        let triangle = Triangle { corners, neighbors, is_listed: true, direction, height };
+        if at as usize == self.triangles.len() {
+            self.triangles.push(triangle);
+            self.bounds.push(lower);
+        } else {
+            self.triangles[at as usize] = triangle;
+            self.bounds[at as usize] = lower;
         }
-        self.order.push(Entry { lower, triangle: at });
         at
     }
 

@@ -7,7 +7,7 @@ use crate::math::Sign;
 use crate::math::direction::rounded_direction;
 use crate::math::dyadic::{self, Dyadic};
 use crate::math::relative::{INFLATE, UNDERFLOW, UNIT_ROUNDOFF};
-use crate::math::vec3::{dot, length, sub};
+use crate::math::vec3::{add, dot, length, sub};
 
 /// The plane of three points of the common frame.
 #[derive(Clone, Copy, Debug)]
@@ -40,15 +40,12 @@ impl Facet {
         } else {
             (c, sub(a, c), sub(b, c))
         };
-        let (mut normal, mut off, mut size) = ([0.0; 3], 0.0, 0.0);
-        for k in 0..3 {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            let (forward, backward) = (e[i] * f[j], e[j] * f[i]);
-            normal[k] = forward - backward;
-            let magnitude = forward.abs() + backward.abs();
-            off += magnitude;
-            size += magnitude * corner[k].abs();
-        }
+        let forward = [e[1] * f[2], e[2] * f[0], e[0] * f[1]];
+        let backward = [e[2] * f[1], e[0] * f[2], e[1] * f[0]];
+        let normal = sub(&forward, &backward);
+        let magnitudes = add(&forward.map(f64::abs), &backward.map(f64::abs));
+        let off = magnitudes[0] + magnitudes[1] + magnitudes[2];
+        let size = dot(&magnitudes, &corner.map(f64::abs));
         let (off, size) = (5.0 * UNIT_ROUNDOFF * off + UNDERFLOW, 9.0 * UNIT_ROUNDOFF * size + UNDERFLOW);
         Self::across(normal, off, dot(&normal, corner) - size)
             .or_else(|| Self::in_doubled_floats(a, b, c))
@@ -58,6 +55,7 @@ impl Facet {
     /// Returns the facet with a normal that is wrong by at most `off` and whose product with a
     /// corner is at least `height`. Returns `None` if `off` is not small relative to the normal, or
     /// if its length may have lost digits.
+    #[inline]
     fn across(normal: [f64; 3], off: f64, height: f64) -> Option<Self> {
         let across = length(&normal);
         // The limit is 2^-36. Edges whose lengths differ by a factor of 2^18 lose no digits that

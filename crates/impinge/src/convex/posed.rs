@@ -249,8 +249,9 @@ impl<'a> Pair<'a> {
     /// the product of the direction with its [`support`](Self::support), in the common unit times
     /// the direction (docs/notes/proof.md, L20).
     pub(super) fn height_error(&self, direction: [f64; 3]) -> f64 {
-        let size: f64 = (0..3).map(|k| direction[k].abs() * self.extent[k]).sum();
-        let slope: f64 = direction.into_iter().map(f64::abs).sum();
+        let magnitudes = direction.map(f64::abs);
+        let size = dot(&magnitudes, &self.extent);
+        let slope = magnitudes[0] + magnitudes[1] + magnitudes[2];
         64.0 * UNIT_ROUNDOFF * size + slope * self.underflow
     }
 
@@ -292,7 +293,8 @@ impl Posed<'_> {
     /// ±1.
     pub(super) fn turned(&self, direction: [f64; 3]) -> [f64; 3] {
         let linear = self.pose.linear();
-        to_unit_entries(std::array::from_fn(|j| (0..3).map(|k| linear[k][j] * direction[k]).sum::<f64>()))
+        let [x, y, z] = direction;
+        to_unit_entries(by_axis!(j => linear[0][j] * x + linear[1][j] * y + linear[2][j] * z))
     }
 
     /// Returns a farthest point along a direction, both in the set's own frame.
@@ -330,7 +332,8 @@ impl Posed<'_> {
 /// Returns the vector scaled so that its greatest entry is ±1, or zero if it is too short or not
 /// finite.
 pub(crate) fn to_unit_entries(vector: [f64; 3]) -> [f64; 3] {
-    let largest = vector.into_iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    let [x, y, z] = vector.map(f64::abs);
+    let largest = x.max(y).max(z);
     if largest >= f64::MIN_POSITIVE && largest.is_finite() { vector.map(|x| x / largest) } else { [0.0; 3] }
 }
 
