@@ -21,17 +21,19 @@
 use super::around::about_origin;
 use super::closed;
 use super::core_depth::CoreDepth;
+use super::descent::descend;
 use super::distance::world_bounds;
 use super::expand::Polytope;
 use super::facet::Facet;
 use super::gjk::{Gap, gap, means};
 use super::interval::{above, below};
 use super::posed::{Difference, Pair, Swept, to_unit_entries, to_unit_length};
+use super::push::Push;
 use super::simplex;
 use crate::exact::world_point;
 use crate::hull::{Hull, HullKind};
 use crate::math::dyadic::{self, Dyadic};
-use crate::math::vec3::{cross, dot, length};
+use crate::math::vec3::cross;
 use crate::math::{Pose, Sign};
 
 /// Maximum number of hulls that are built. Polytopes without volume need about 3 to 8.
@@ -50,6 +52,11 @@ const TARGET_WIDTH: f64 = 64.0 * f64::EPSILON;
 /// volume. Exact hulls cost about 10 times as much.
 pub(super) const HULL_FALLBACK_WIDTH: f64 = 1.0 / (1_u64 << 43) as f64;
 
+/// Gain of a step, relative to the smaller set, below which a local search ends: 2^-24. The error
+/// of a smooth shape's normal is then about 2^-12, the square root of that. A smaller value costs
+/// steps.
+const DESCENT_ACCURACY: f64 = 1.0 / (1 << 24) as f64;
+
 /// Stopping rule of the depth computation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Effort {
@@ -60,24 +67,43 @@ pub(super) struct Effort {
     max_points: usize,
     /// Whether exact hulls continue after the polytope of round cores has proved nothing.
     is_thorough: bool,
+    /// Size of the smaller set in the common unit, if a local search improves the direction of the
+    /// depth. Otherwise `None`.
+    descent: Option<f64>,
 }
 
 impl Effort {
     /// For the depth of polytopes, which ends at the depth of a facet.
-    pub(super) const DEPTH: Self = Self { target_width: TARGET_WIDTH, max_points: 320, is_thorough: true };
+    pub(super) const DEPTH: Self =
+        Self { target_width: TARGET_WIDTH, max_points: 320, is_thorough: true, descent: None };
 
     /// For the depth of round shapes. Rounding leaves an interval up to 2^-44 wide, which more
     /// steps do not narrow. Before that, three or four steps give two digits; beyond it, hundreds
     /// would be needed. The width is 2^-40.
     pub(super) const ROUND_DEPTH: Self = Self { target_width: 1.0 / (1_u64 << 40) as f64, ..Self::DEPTH };
 
-    /// For the normal of a contact, which the next step of a simulation computes anew. It may be
-    /// too little if the contact is deep.
-    pub(super) const CONTACT: Self = Self { target_width: 1.0 / (1 << 24) as f64, max_points: 64, is_thorough: false };
+    /// For the normal of a contact of polytopes, which the next step of a simulation computes anew.
+    const CONTACT: Self =
+        Self { target_width: 1.0 / (1 << 24) as f64, max_points: 64, is_thorough: false, descent: None };
 
-    /// Returns the effort for sets of which the smaller one has this size in the common unit.
-    pub(super) fn for_size(self, size: f64) -> Self {
-        Self { target_width: (self.target_width * size).max(TARGET_WIDTH), ..self }
+    /// For the normal of a contact of other cores. Narrowing the interval takes many points: 18 for
+    /// cylinders and 34 for ellipsoids to 2^-13, but 23 and 59 to 2^-24. So a local search, whose
+    /// steps cost a fifth of a point, takes over at 2^-14.
+    const ROUND_CONTACT: Self =
+        Self { target_width: 1.0 / (1 << 14) as f64, max_points: 128, is_thorough: false, descent: Some(1.0) };
+
+    /// Returns the accuracy of the upper bound that the computation aims for, in the common unit.
+    fn accuracy(&self) -> f64 {
+        self.descent.map_or(self.target_width, |size| DESCENT_ACCURACY * size)
+    }
+
+    /// Returns the effort for the normal of a contact of two sets, of which the smaller one has
+    /// this size in the common unit.
+    pub(super) fn for_contact(pair: &Pair<'_>, size: f64) -> Self {
+        let are_polytopes = pair.a.corners().is_some() && pair.b.corners().is_some();
+        let relative = if are_polytopes { Self::CONTACT } else { Self::ROUND_CONTACT };
+        let target_width = (relative.target_width * size).max(TARGET_WIDTH);
+        Self { target_width, descent: relative.descent.map(|relative| relative * size), ..relative }
     }
 }
 
@@ -115,7 +141,7 @@ pub(crate) fn depth(a: &Swept<'_>, b: &Swept<'_>) -> Depth {
 
 pub(super) fn depth_in_order(pair: &Pair<'_>, a: &Swept<'_>, b: &Swept<'_>, effort: Effort) -> CoreWitness {
     let sum = |end: usize| a.radius[end] + b.radius[end];
-    let width = effort.target_width.max(HULL_FALLBACK_WIDTH) * pair.unit;
+    let width = effort.accuracy().max(HULL_FALLBACK_WIDTH) * pair.unit;
     let (core, apart) = match closed::depth(a, b, width) {
         Some(closed::Depth { core, apart }) => (core.scaled(1.0 / pair.unit), apart),
         None => by_iteration(pair, effort),
@@ -169,21 +195,6 @@ fn of_apart(pair: &Pair<'_>, gap: &Gap) -> CoreDepth {
     CoreDepth { lower: -gap.upper, upper, direction: gap.direction, points: gap.points }
 }
 
-/// The farthest difference along a direction, and an upper bound on the height of all differences
-/// along it.
-struct Push {
-    farthest: Difference,
-    height: f64,
-}
-
-impl Push {
-    fn along(pair: &Pair<'_>, direction: [f64; 3]) -> Self {
-        let farthest = pair.support(direction);
-        let height = dot(&direction, &farthest.a.point) - dot(&direction, &farthest.b.point);
-        Self { farthest, height: above((height + pair.height_error(direction)) / length(&direction)) }
-    }
-}
-
 /// A direction to push along, and the corners of the facet that it is normal to, if there is one.
 struct Candidate {
     lower: f64,
@@ -233,9 +244,14 @@ fn grow(pair: &Pair<'_>, mut polytope: Polytope, best: &mut CoreDepth, effort: E
         }
     }
     if best.lower > 0.0
-        && let Some(points) = polytope.points_along(&best.direction)
+        && let Some((corners, points)) = polytope.along(&best.direction)
     {
         best.points = points;
+        if let Some(size) = effort.descent
+            && best.upper - best.lower > effort.accuracy()
+        {
+            descend(pair, &corners, best, size, effort.accuracy());
+        }
     }
 }
 

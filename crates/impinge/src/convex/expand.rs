@@ -220,10 +220,10 @@ impl Polytope {
         border.iter().for_each(|edge| self.starts[edge.ends[0] as usize] = NONE);
     }
 
-    /// Returns the points of A and of B whose difference is the point of the surface along a
-    /// direction from the origin, which must be inside. Returns `None` if no triangle faces the
-    /// direction.
-    pub(super) fn points_along(&self, direction: &[f64; 3]) -> Option<[[f64; 3]; 2]> {
+    /// Returns the corners of the triangle that a direction from the origin, which must be inside,
+    /// leads through, and the points of A and of B whose difference is the point there. Returns
+    /// `None` if no triangle faces the direction.
+    pub(super) fn along(&self, direction: &[f64; 3]) -> Option<([Difference; 3], [[f64; 3]; 2])> {
         let facing = self.triangles.iter().filter(|triangle| triangle.is_listed && triangle.height.is_finite());
         // Distance to the plane in multiples of the direction.
         let times = |triangle: &Triangle| triangle.height / dot(&triangle.direction, direction).max(0.0);
@@ -237,7 +237,7 @@ impl Polytope {
                 (dot(&nearest.vector, &nearest.vector), corners, nearest.weights)
             });
         let (_, corners, weights) = nearest.min_by(|x, y| x.0.total_cmp(&y.0))?;
-        Some(super::gjk::means(&corners, &weights))
+        Some((corners, super::gjk::means(&corners, &weights)))
     }
 
     /// Returns a triangle whose plane the point is beyond.

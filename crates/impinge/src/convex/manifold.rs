@@ -162,7 +162,7 @@ fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts 
     let pair = Pair::new(&a.swept, &b.swept);
     let size = smaller_size(&pair, [a, b]);
     let depth = |effort| depth_in_order(&pair, &a.swept, &b.swept, effort);
-    let mut found = depth(Effort::CONTACT.for_size(size));
+    let mut found = depth(Effort::for_contact(&pair, size));
     if found.depth.upper - found.depth.lower > MAX_CONTACT_WIDTH * size * pair.unit {
         found = depth(Effort::ROUND_DEPTH);
     }

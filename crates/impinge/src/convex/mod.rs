@@ -7,7 +7,7 @@
 //! - `gjk` computes an interval that holds the distance, and decides nothing;
 //! - `min_norm` computes the least distance of polytopes exactly, if that interval is not enough;
 //! - `depth` computes an interval that holds the depth, with a normal that is valid whatever
-//!   rounding does;
+//!   rounding does; `descent` improves the normal for contacts of round shapes;
 //! - `closed` answers for spheres, capsules and boxes in closed form, if floats are certain;
 //! - `half_space` compares shapes with planes;
 //! - `manifold` computes the points of a contact, from the `facets` of polytopes, the parts
@@ -23,6 +23,7 @@ mod bounds;
 mod closed;
 mod core_depth;
 mod depth;
+mod descent;
 mod distance;
 mod expand;
 mod facet;
@@ -38,6 +39,7 @@ mod near_faces;
 mod overlap;
 mod piece;
 mod posed;
+mod push;
 mod reduction;
 mod short_list;
 mod simplex;

@@ -33,8 +33,20 @@ impl Simplex {
         self.len = at + 1;
     }
 
+    /// Returns a simplex of three differences.
+    pub(super) fn of(corners: &[Difference; 3]) -> Self {
+        let mut simplex = Self::EMPTY;
+        corners.iter().for_each(|corner| simplex.push(*corner));
+        simplex
+    }
+
     pub(super) fn nearest(&self) -> Nearest {
         nearest(&self.differences.each_ref().map(|difference| difference.vector)[..self.len])
+    }
+
+    /// Returns the point of the simplex nearest to a place, relative to that place.
+    pub(super) fn nearest_to(&self, place: &[f64; 3]) -> Nearest {
+        nearest(&self.differences.each_ref().map(|difference| sub(&difference.vector, place))[..self.len])
     }
 
     /// Keeps the differences with a positive weight.

@@ -59,8 +59,9 @@ pub struct ContactId {
 /// [`within`](crate::query::within()) returns `false` for the margin. The function never fails.
 ///
 /// - Two convex shapes have one manifold, with the normal of
-///   [`penetration`](crate::query::penetration()); for round shapes the normal is within 2^-12 of
-///   it.
+///   [`penetration`](crate::query::penetration()). Along the normal of an ellipsoid, a cylinder, a
+///   cone or a custom set, the depth exceeds the least depth by at most 2^-13 of the size of the
+///   smaller shape, and mostly by less than 2^-20.
 /// - A mesh and a convex shape have the manifolds of the convex pieces of the touched surface: of
 ///   neighboring faces that touch the shape as one convex body would. A piece has no manifold if
 ///   the shape leaves it with the shallower contacts, as it leaves the side of a platform when it

@@ -10,6 +10,7 @@ mod height_fields;
 mod hulls;
 mod mesh_contacts;
 mod pairs;
+mod round_contacts;
 mod rounded;
 mod support;
 mod surfaces;
