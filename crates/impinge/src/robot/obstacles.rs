@@ -119,8 +119,8 @@ impl Obstacles {
         limbs.iter().any(|limb| self.overlapping(limb, clearance, &mut { found }).is_break())
     }
 
-    /// Calls `visit` with the index of each obstacle that may be within a clearance of a capsule, by
-    /// the boxes of both, until it breaks.
+    /// Calls `visit` with the index of each obstacle that may be within a clearance of a capsule,
+    /// by the boxes of both, until it breaks.
     fn overlapping(
         &self,
         limb: &Limb,

@@ -9,8 +9,8 @@
 //!
 //! `kind` has a shape and its contents, which are `corners` or the sets in `round`. `constructors`
 //! makes and validates shapes, and `rounded` rounds them. `acceptance` says at which poses a shape
-//! can be placed, and `placed` places it in the world, at a `stand`. `part_finder` finds the parts of
-//! a placed compound, and `form` has the representations. `triangles` shows shapes in pictures.
+//! can be placed, and `placed` places it in the world, at a `stand`. `part_finder` finds the parts
+//! of a placed compound, and `form` has the representations. `triangles` shows shapes in pictures.
 //!
 //! Tests: `tests/it/shapes`. Benchmark: `shapes`.
 

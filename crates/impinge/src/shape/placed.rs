@@ -37,6 +37,10 @@ impl Parts {
     pub(super) fn new(all: Vec<PlacedShape>) -> Self {
         Self { all, finder: PartFinder::default() }
     }
+
+    fn boxes(&self) -> impl ExactSizeIterator<Item = Option<[[f64; 3]; 2]>> {
+        self.all.iter().map(PlacedShape::bounds)
+    }
 }
 
 impl Shape {
@@ -240,7 +244,7 @@ impl PlacedShape {
     /// Returns the indices of the parts that may be within `reach` of a box, in ascending order.
     /// Returns all parts if there is no box.
     pub(crate) fn parts_near(&self, bounds: Option<[[f64; 3]; 2]>, reach: f64) -> Vec<u32> {
-        let near = self.parts.as_ref().and_then(|parts| parts.finder.near(&parts.all, bounds, reach));
+        let near = self.parts.as_ref().and_then(|parts| parts.finder.near(parts.boxes(), bounds, reach));
         near.unwrap_or_else(|| (0..self.parts().len() as u32).collect())
     }
 
@@ -248,7 +252,7 @@ impl PlacedShape {
     /// has a box.
     pub(crate) fn part_nearest(&self, point: [f64; 3]) -> Option<u32> {
         let parts = self.parts.as_ref()?;
-        parts.finder.nearest(&parts.all, point)
+        parts.finder.nearest(parts.boxes(), point)
     }
 
     /// Returns the box of all parts, which are placed, if they are bounded.
