@@ -89,9 +89,6 @@ impl<'e> Batch<'e> {
         let budget = self.execution.budget();
         let answer = |cache: &mut Cache, row: usize| {
             let sources = self.broadcast.sources(row);
-            if let [Err(fault), _] | [_, Err(fault)] = [0, 1].map(|side| self.sides[side].check(sources[side])) {
-                return (safe.clone(), Status::of(fault));
-            }
             // Placing a compound of many parts takes longer than most questions.
             if budget.stopped().is_none() {
                 let [a, b] = match [0, 1].map(|side| self.sides[side].at(sources[side])) {
@@ -102,6 +99,8 @@ impl<'e> Batch<'e> {
                 if budget.stopped().is_none() {
                     return (found, Status::Ok);
                 }
+            } else if let [Err(fault), _] | [_, Err(fault)] = [0, 1].map(|side| self.sides[side].check(sources[side])) {
+                return (safe.clone(), Status::of(fault));
             }
             (safe.clone(), Status::OutOfBudget)
         };
