@@ -30,6 +30,18 @@ pub(in crate::mesh) struct Line {
     error: f64,
 }
 
+/// The used lanes of a packet by where a line passes their triangles, as bits.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::mesh) struct Passed {
+    /// The triangles that the line is not proved to miss.
+    pub(in crate::mesh) may_intersect: u32,
+    /// The triangles whose inside the line certainly intersects, with corners that turn to the left
+    /// as seen against its axis `k`.
+    pub(in crate::mesh) turning_left: u32,
+    /// The same for corners that turn to the right.
+    pub(in crate::mesh) turning_right: u32,
+}
+
 /// Upper bound of the loss of products too small for a float: 2^-120.
 const UNDERFLOW: f64 = f64::from_bits((1023 - 120) << 52);
 
@@ -44,6 +56,12 @@ impl Line {
     }
 
     /// Returns the used lanes whose triangles the line is not proved to miss, as bits.
+    #[inline(always)]
+    pub(in crate::mesh) fn may_intersect<S: Simd>(&self, simd: S, packet: &Packet<'_>) -> u32 {
+        self.pass(simd, packet).may_intersect
+    }
+
+    /// Looks along the line at the triangles of a packet.
     ///
     /// # Accuracy
     /// Let u be 2^-24. Let X be the sum of the packet's radius and the distance at which the line
@@ -54,7 +72,7 @@ impl Line {
     /// of 10 X times that, and 16 u X² for its own rounding, fused or not: 106 u X² + 10 X `error`.
     /// The code takes 128 and 16.
     #[inline(always)]
-    pub(in crate::mesh) fn may_intersect<S: Simd>(&self, simd: S, packet: &Packet<'_>) -> u32 {
+    pub(in crate::mesh) fn pass<S: Simd>(&self, simd: S, packet: &Packet<'_>) -> Passed {
         let [i, j, k] = self.axes;
         let from: [f64; 3] = by_axis!(axis => self.origin[axis] - packet.local_origin[axis]);
         let passes = [from[i] - self.slopes[0] * from[k], from[j] - self.slopes[1] * from[k]];
@@ -76,9 +94,14 @@ impl Line {
             x * to_y - to_x * y
         });
         // Comparisons with NaN prove nothing.
-        let left = sides[0].max(sides[1]).max(sides[2]).simd_gt(bound);
-        let right = sides[0].min(sides[1]).min(sides[2]).simd_lt(-bound);
-        !((left & right).to_bitmask() as u32) & packet.lanes_in_use()
+        let (least, most) = (sides[0].min(sides[1]).min(sides[2]), sides[0].max(sides[1]).max(sides[2]));
+        let is_missed = most.simd_gt(bound) & least.simd_lt(-bound);
+        let used = packet.lanes_in_use();
+        Passed {
+            may_intersect: !(is_missed.to_bitmask() as u32) & used,
+            turning_left: least.simd_gt(bound).to_bitmask() as u32 & used,
+            turning_right: most.simd_lt(-bound).to_bitmask() as u32 & used,
+        }
     }
 }
 

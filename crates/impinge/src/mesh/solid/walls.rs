@@ -4,6 +4,7 @@
 
 use rayon::prelude::*;
 
+use super::crossings::PackedPoint;
 use super::sheets::turn_along_some_axis;
 use super::winding::PointClassifier;
 use crate::budget::Budget;
@@ -128,7 +129,7 @@ impl Mesh {
 fn windings(mesh: &Mesh, corners: &Corners, axis: usize, stack: &mut Vec<u32>) -> [i64; 2] {
     let point = PosedPoint::local(Spot::Within(*corners));
     let ray = AxisRay { axis, ascending: true };
-    let crossings = mesh.crossings(&point, ray, stack);
+    let crossings = mesh.crossings(&point, &PackedPoint::new(mesh, &point), ray, stack);
     // The point may be on an edge of another face. Both points are beside that edge, on the line of
     // the ray.
     let turns = |&holding: &u32| i64::from(point.turns_about(ray, &mesh.corners(holding)));

@@ -23,7 +23,7 @@
 
 use rayon::prelude::*;
 
-use super::crossings;
+use super::crossings::{Crossings, PackedPoint};
 use super::solid_angle::{AngleSum, Bounded, Direction};
 use crate::exact::{AxisRay, PosedPoint, Spot};
 use crate::input::{InputError, InputErrorKind};
@@ -31,6 +31,7 @@ use crate::math::Sign;
 use crate::math::relative::UNIT_ROUNDOFF;
 use crate::mesh::Mesh;
 use crate::mesh::derived::topology::BorderEdge;
+use crate::volume::Aabb;
 
 /// The winding number of a mesh about a point, with a proved interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -207,20 +208,23 @@ const WIDE_ERROR: f64 = 5e-6;
 /// Computes the positions of points relative to one mesh, and keeps the working memory for it.
 pub(crate) struct PointClassifier<'m> {
     pub(in crate::mesh) mesh: &'m Mesh,
+    /// Bounds of the mesh in its packed frame.
+    bounds: Aabb,
     pub(in crate::mesh) stack: Vec<u32>,
 }
 
 impl<'m> PointClassifier<'m> {
     pub(crate) fn new(mesh: &'m Mesh) -> Self {
-        Self { mesh, stack: Vec::new() }
+        Self { mesh, bounds: mesh.packed_bounds(), stack: Vec::new() }
     }
 
     /// Returns the position of a point relative to the mesh taken as a solid.
     pub(crate) fn containment(&mut self, point: &PosedPoint<'_>) -> Containment {
-        let rays = crossings::rays_by_length(self.mesh, point);
+        let packed = PackedPoint::new(self.mesh, point);
+        let rays = packed.rays_by_length(&self.bounds);
         let cap = self.mesh.cap();
         let clear = rays.into_iter().find(|&ray| cap.is_clear_of(point, ray));
-        let crossings = self.mesh.crossings(point, clear.unwrap_or(rays[0]), &mut self.stack);
+        let crossings = self.crossings(point, &packed, clear.unwrap_or(rays[0]));
         if !crossings.holding.is_empty() {
             Containment::Surface
         } else if clear.is_some() {
@@ -234,6 +238,14 @@ impl<'m> PointClassifier<'m> {
             };
             self.winding_by_border(point, is_decided).containment()
         }
+    }
+
+    /// Returns the faces that hold a point and the crossings of a ray from it.
+    fn crossings(&mut self, point: &PosedPoint<'_>, packed: &PackedPoint, ray: AxisRay) -> Crossings {
+        let (bounds, reach) = (&self.bounds, packed.reach(ray));
+        // Comparisons with NaN prove nothing.
+        let is_apart = (0..3).any(|k| reach.min[k] > bounds.max[k] || reach.max[k] < bounds.min[k]);
+        if is_apart { Crossings::default() } else { self.mesh.crossings(point, packed, ray, &mut self.stack) }
     }
 
     fn has_long_border(&self) -> bool {
@@ -257,8 +269,9 @@ impl<'m> PointClassifier<'m> {
     ) -> WindingNumber {
         let topology = self.mesh.topology();
         let mut best: Option<(i64, Bounded)> = None;
-        for ray in crossings::rays_by_length(self.mesh, point) {
-            let crossings = self.mesh.crossings(point, ray, &mut self.stack);
+        let packed = PackedPoint::new(self.mesh, point);
+        for ray in packed.rays_by_length(&self.bounds) {
+            let crossings = self.crossings(point, &packed, ray);
             let merged;
             let border = if crossings.holding.is_empty() {
                 &topology.border
