@@ -2,6 +2,7 @@
 //! geometry. People import the package around it, `python/impinge`.
 
 mod arrays;
+mod blocks;
 mod box_forms;
 mod boxes;
 mod character;

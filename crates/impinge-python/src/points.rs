@@ -4,19 +4,15 @@ use impinge::mesh::{ClosestPoint, Containment};
 use impinge::query::batch::Broadcast;
 use impinge::{InputError, Mesh};
 use numpy::PyUntypedArrayMethods;
-use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-use crate::arrays::{Plain, array, row_array};
+use crate::arrays::{Plain, numbers, row_array};
+use crate::blocks::{self, Length};
 use crate::errors::Fault;
 use crate::mesh::mesh_of;
-use crate::workers::{self, Call, MAX_ROWS_ON_CALLER};
 
 /// Arrays of points.
 const PLAIN: Plain = Plain { core: &[3], reader: "plain_points" };
-
-/// Number of points that a thread takes at a time.
-const BLOCK: usize = 256;
 
 /// Maximum number of points times faces of a call that runs on the caller's thread. It takes about
 /// a millisecond, or 100 milliseconds if values derived from the mesh must be computed first.
@@ -75,16 +71,12 @@ impl Points {
         let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
         let Self { shape, rows: points } = self;
         let brief = points.len() as u128 * mesh.faces().len() as u128 <= MAX_WORK_ON_CALLER;
-        let is_quick = search == Search::Tree && !brief && points.len() <= MAX_ROWS_ON_CALLER;
-        let size = if is_quick { 1 } else { BLOCK };
-        let count = points.len().div_ceil(size);
-        let block = move |at: usize| ask(&mesh, &points[at * size..points.len().min((at + 1) * size)]);
-        let call = Call { rows: count, is_brief: brief, progress: false };
-        let blocks = if is_quick { workers::quick_rows(py, count, block)? } else { workers::rows(py, call, block)? };
-        let mut answers = Vec::new();
-        for block in blocks {
-            answers.extend(block.map_err(|error| PyRuntimeError::new_err(error.to_string()))?);
-        }
+        let length = match search {
+            _ if brief => Length::Brief,
+            Search::Tree => Length::Quick,
+            Search::Derived => Length::Long,
+        };
+        let answers = blocks::answers(py, points.len(), length, move |rows| ask(&mesh, &points[rows]))?;
         Ok((answers, shape))
     }
 }
@@ -103,9 +95,9 @@ pub(crate) fn closest_point<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, P
     let face = found.iter().map(|found| found.map_or(-1, |found| i64::from(found.face))).collect();
     let columns = (
         row_array(py, point, &shape)?,
-        array(py, of(|found| found.lower), &shape)?,
-        array(py, of(|found| found.upper), &shape)?,
-        array(py, face, &shape)?,
+        numbers(py, of(|found| found.lower), &shape)?,
+        numbers(py, of(|found| found.upper), &shape)?,
+        numbers(py, face, &shape)?,
     );
     Ok(columns.into_pyobject(py)?.into_any())
 }
@@ -128,14 +120,14 @@ pub(crate) fn signed_distance<'py>(
         };
         Ok(near.zip(mesh.contains(points)?).map(signed).collect())
     })?;
-    array(mesh.py(), signed, &shape)
+    numbers(mesh.py(), signed, &shape)
 }
 
 /// Returns the winding numbers of the mesh about points of the mesh frame, (...), rounded.
 #[pyfunction]
 pub(crate) fn winding_number<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    let (numbers, shape) = Points::read(points, "points", 128)?.ask(mesh, Search::Derived, Mesh::winding_number)?;
-    array(mesh.py(), numbers.iter().map(|number| number.value).collect(), &shape)
+    let (found, shape) = Points::read(points, "points", 128)?.ask(mesh, Search::Derived, Mesh::winding_number)?;
+    numbers(mesh.py(), found.iter().map(|number| number.value).collect(), &shape)
 }
 
 /// Reports whether the mesh contains each point of the mesh frame, as booleans of shape (...). An
@@ -143,5 +135,5 @@ pub(crate) fn winding_number<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, 
 #[pyfunction]
 pub(crate) fn contains<'py>(mesh: &Bound<'py, PyAny>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let (found, shape) = Points::read(points, "points", 128)?.ask(mesh, Search::Derived, Mesh::contains)?;
-    array(mesh.py(), found.iter().map(|containment| containment.is_contained()).collect(), &shape)
+    numbers(mesh.py(), found.iter().map(|containment| containment.is_contained()).collect(), &shape)
 }

@@ -5,13 +5,14 @@ use impinge::query::batch::Broadcast;
 use impinge::{InputError, Mesh};
 use pyo3::prelude::*;
 
-use crate::arrays::{array, ragged, row_array};
+use crate::arrays::{array, numbers, ragged, row_array};
+use crate::blocks::{self, Length};
 use crate::errors::{Fault, kind_and_place, message};
 use crate::mesh::mesh_of;
 use crate::points::{MAX_WORK_ON_CALLER, Points};
 use crate::poses;
 use crate::workers::{self, Call};
-use crate::world_bodies::{Handles, numbers};
+use crate::world_bodies::{self, Handles};
 
 /// Exponent of the magnitude below which coordinates must be, 2^300.
 const EXPONENT: i32 = 300;
@@ -25,18 +26,12 @@ pub(crate) fn ray_cast<'py>(
     directions: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (py, rays) = (mesh.py(), Rays::read(origins, directions)?);
-    let shape = rays.lead().to_vec();
-    first_hits(py, rays.ask(mesh, Mesh::ray_cast)?, &shape)
-}
-
-/// Returns whether there is a hit, (...), and the columns of the hits.
-pub(crate) fn first_hits<'py>(
-    py: Python<'py>,
-    found: Vec<Option<RayHit>>,
-    shape: &[usize],
-) -> PyResult<Bound<'py, PyAny>> {
-    let hit = array(py, found.iter().map(Option::is_some).collect(), shape)?;
-    Ok((hit, columns(py, found, shape)?).into_pyobject(py)?.into_any())
+    let (shape, count) = (rays.lead().to_vec(), rays.len());
+    let mut hits = Hits::with_capacity(count);
+    for block in rays.ask(mesh, |mesh, rays| Hits::of(&mesh.ray_casts(rays)))? {
+        hits.append(block);
+    }
+    hits.first(py, &shape)
 }
 
 /// Returns the offsets of the hits of each ray, columns with the hits of all rays, (k,), and the
@@ -49,9 +44,10 @@ pub(crate) fn ray_cast_all<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let (py, rays) = (mesh.py(), Rays::read(origins, directions)?);
     let shape = rays.lead().to_vec();
-    let (offsets, hits) = ragged(rays.ask(mesh, Mesh::ray_cast_all)?);
+    let blocks = rays.ask(mesh, Mesh::ray_casts_all)?;
+    let (offsets, hits) = ragged(blocks.into_iter().flatten().collect());
     let (places, count) = (offsets.len(), hits.len());
-    let hits = columns(py, hits.into_iter().map(Some).collect(), &[count])?;
+    let hits = Hits::of(&hits.into_iter().map(Some).collect::<Vec<_>>()).columns(py, &[count])?;
     Ok((array(py, offsets, &[places])?, hits, shape).into_pyobject(py)?.into_any())
 }
 
@@ -62,7 +58,7 @@ pub(crate) fn ray_cast_all<'py>(
 /// `InputError` if there is no such face.
 #[pyfunction]
 pub(crate) fn face_normals<'py>(mesh: &Bound<'py, PyAny>, faces: &Handles<'py>) -> PyResult<Bound<'py, PyAny>> {
-    let (py, mesh, faces) = (mesh.py(), mesh_of(mesh, "mesh")?, numbers(faces)?);
+    let (py, mesh, faces) = (mesh.py(), mesh_of(mesh, "mesh")?, world_bodies::numbers(faces)?);
     let count = mesh.faces().len();
     if let Some(row) = faces.iter().position(|&face| face >= count as u64) {
         let text = format!("is {}, but the mesh has {count} faces", faces[row]);
@@ -74,14 +70,52 @@ pub(crate) fn face_normals<'py>(mesh: &Bound<'py, PyAny>, faces: &Handles<'py>) 
     row_array(py, workers::rows(py, call, normal)?, &[rows])
 }
 
-/// Returns ray parameter t, face and point of each hit, in the mesh frame. Without a hit they are
-/// infinity, -1 and zero.
-fn columns<'py>(py: Python<'py>, hits: Vec<Option<RayHit>>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
-    let t = hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect();
-    let face = hits.iter().map(|hit| hit.map_or(-1, |hit| i64::from(hit.face))).collect();
-    let point = hits.iter().map(|hit| hit.map_or([0.0; 3], |hit| hit.point)).collect();
-    let columns = (array(py, t, shape)?, array(py, face, shape)?, row_array(py, point, shape)?);
-    Ok(columns.into_pyobject(py)?.into_any())
+/// Columns of the hits of rays, one row for each: whether there is a hit, the ray parameter t, the
+/// face, and the point in the mesh frame. Without a hit they are infinity, -1 and zero.
+pub(crate) struct Hits {
+    hit: Vec<bool>,
+    t: Vec<f64>,
+    face: Vec<i64>,
+    point: Vec<[f64; 3]>,
+}
+
+impl Hits {
+    fn with_capacity(rows: usize) -> Self {
+        Self {
+            hit: Vec::with_capacity(rows),
+            t: Vec::with_capacity(rows),
+            face: Vec::with_capacity(rows),
+            point: Vec::with_capacity(rows),
+        }
+    }
+
+    pub(crate) fn of(found: &[Option<RayHit>]) -> Self {
+        Self {
+            hit: found.iter().map(Option::is_some).collect(),
+            t: found.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect(),
+            face: found.iter().map(|hit| hit.map_or(-1, |hit| i64::from(hit.face))).collect(),
+            point: found.iter().map(|hit| hit.map_or([0.0; 3], |hit| hit.point)).collect(),
+        }
+    }
+
+    fn append(&mut self, mut more: Self) {
+        self.hit.append(&mut more.hit);
+        self.t.append(&mut more.t);
+        self.face.append(&mut more.face);
+        self.point.append(&mut more.point);
+    }
+
+    /// Returns whether each ray has a hit, (...), and the columns of the hits.
+    pub(crate) fn first<'py>(mut self, py: Python<'py>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+        let hit = numbers(py, std::mem::take(&mut self.hit), shape)?;
+        Ok((hit, self.columns(py, shape)?).into_pyobject(py)?.into_any())
+    }
+
+    /// Returns ray parameters, (...), faces, (...), and points, (..., 3).
+    fn columns<'py>(self, py: Python<'py>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+        let columns = (numbers(py, self.t, shape)?, numbers(py, self.face, shape)?, row_array(py, self.point, shape)?);
+        Ok(columns.into_pyobject(py)?.into_any())
+    }
 }
 
 /// Rays as origins and directions, whose leading axes broadcast.
@@ -124,14 +158,22 @@ impl Rays {
         [self.origins.rows[origin], self.directions.rows[direction]]
     }
 
-    fn ask<T: Send + 'static>(
+    /// Returns the result of `ask` for each block of rays.
+    fn ask<B: Send + 'static>(
         self,
         mesh: &Bound<'_, PyAny>,
-        ask: impl Fn(&Mesh, &Ray) -> T + Send + Sync + 'static,
-    ) -> PyResult<Vec<T>> {
+        ask: impl Fn(&Mesh, &[Ray]) -> B + Send + Sync + 'static,
+    ) -> PyResult<Vec<B>> {
         let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
-        let brief = self.len() as u128 * mesh.faces().len() as u128 <= MAX_WORK_ON_CALLER;
-        self.ask_each(py, brief, move |origin, direction| Ok(ask(&mesh, &Ray::new(origin, direction)?)))
+        let rows = self.len();
+        let brief = rows as u128 * mesh.faces().len() as u128 <= MAX_WORK_ON_CALLER;
+        blocks::each(py, rows, if brief { Length::Brief } else { Length::Quick }, move |rows| {
+            let ray = |row| {
+                let [origin, direction] = self.at(row);
+                Ray::new(origin, direction)
+            };
+            Ok(ask(&mesh, &rows.map(ray).collect::<Result<Vec<Ray>, InputError>>()?))
+        })
     }
 
     /// Returns the results of `ask` for the origin and the direction of each ray. The caller's

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use crate::arrays::array;
 use crate::mesh::mesh_of;
 use crate::points::Points;
-use crate::rays::{self, Rays};
+use crate::rays::{Hits, Rays};
 use crate::workers::{self, Call};
 
 /// Maximum number of points or rays of a call that runs on the caller's thread.
@@ -55,6 +55,6 @@ impl SolidBspCore {
         let found = rays.ask_each(py, brief, move |origin, direction| {
             Ok(tree.ray_cast(&impinge::mesh::Ray::new(origin, direction)?))
         })?;
-        rays::first_hits(py, found, &shape)
+        Hits::of(&found).first(py, &shape)
     }
 }

@@ -24,7 +24,7 @@ use crate::math::vec3::{Vector, dot, sub};
 use crate::mesh::Mesh;
 use crate::mesh::storage::frame::reciprocal_power_of_two;
 use crate::primitive::{RayCrossing, ray_triangle, side_along};
-use crate::simd::{self, LANES, Level, bits, by_axis, dispatch, load, prefetch};
+use crate::simd::{self, LANES, bits, by_axis, dispatch, load, prefetch};
 
 /// A ray: the points `origin + t direction` with `t` zero or more, in a mesh's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,19 +113,19 @@ impl Mesh {
     /// the first point that they share.
     #[must_use]
     pub fn ray_cast(&self, ray: &Ray) -> Option<RayHit> {
-        self.first_hit(ray, false)
+        self.first_hit(ray, false, &mut stack())
     }
 
     /// Returns the first face that a ray intersects and whose front faces against the ray, decided
     /// exactly. The front of a face is the side from which its corners are in counterclockwise
     /// order. Faces in whose plane the ray lies, and faces without area, do not count.
     pub(crate) fn ray_cast_fronts(&self, ray: &Ray) -> Option<RayHit> {
-        self.first_hit(ray, true)
+        self.first_hit(ray, true, &mut stack())
     }
 
-    fn first_hit(&self, ray: &Ray, is_fronts_only: bool) -> Option<RayHit> {
+    fn first_hit(&self, ray: &Ray, is_fronts_only: bool, stack: &mut Vec<Task>) -> Option<RayHit> {
         let mut first = First { mesh: self, ray, is_fronts_only, best: None };
-        self.cast(ray, simd::best_level(), &mut first);
+        self.cast(ray, stack, &mut first);
         first.best.map(|(face, crossing)| RayHit { t: crossing.t, face, point: ray.at(crossing.t) })
     }
 
@@ -134,7 +134,7 @@ impl Mesh {
     #[must_use]
     pub fn ray_cast_any(&self, ray: &Ray) -> bool {
         let mut any = Any { mesh: self, ray, is_hit: false };
-        self.cast(ray, simd::best_level(), &mut any);
+        self.cast(ray, &mut stack(), &mut any);
         any.is_hit
     }
 
@@ -142,8 +142,12 @@ impl Mesh {
     /// parameter on the ray, then by face index.
     #[must_use]
     pub fn ray_cast_all(&self, ray: &Ray) -> Vec<RayHit> {
+        self.all_hits(ray, &mut stack())
+    }
+
+    fn all_hits(&self, ray: &Ray, stack: &mut Vec<Task>) -> Vec<RayHit> {
         let mut all = All { mesh: self, ray, hits: Vec::new() };
-        self.cast(ray, simd::best_level(), &mut all);
+        self.cast(ray, stack, &mut all);
         let mut hits = all.hits;
         hits.sort_by(|one, other| order(self, ray, *one, *other));
         hits.into_iter().map(|(face, crossing)| RayHit { t: crossing.t, face, point: ray.at(crossing.t) }).collect()
@@ -153,14 +157,26 @@ impl Mesh {
     /// rayon pool.
     #[must_use]
     pub fn ray_casts(&self, rays: &[Ray]) -> Vec<Option<RayHit>> {
-        rays.par_iter().with_min_len(MIN_RAYS_PER_TASK).map(|ray| self.ray_cast(ray)).collect()
+        self.for_each_ray(rays, |ray, stack| self.first_hit(ray, false, stack))
+    }
+
+    /// Returns the [`ray_cast_all`](Self::ray_cast_all) of each ray, computed on all cores of the
+    /// current rayon pool.
+    #[must_use]
+    pub fn ray_casts_all(&self, rays: &[Ray]) -> Vec<Vec<RayHit>> {
+        self.for_each_ray(rays, |ray, stack| self.all_hits(ray, stack))
+    }
+
+    fn for_each_ray<T: Send>(&self, rays: &[Ray], cast: impl Fn(&Ray, &mut Vec<Task>) -> T + Sync) -> Vec<T> {
+        let casts = rays.par_iter().with_min_len(MIN_RAYS_PER_TASK);
+        casts.map_init(stack, |stack, ray| cast(ray, stack)).collect()
     }
 
     #[inline(never)]
-    fn cast<V: Visitor>(&self, ray: &Ray, level: Level, visitor: &mut V) {
+    fn cast<V: Visitor>(&self, ray: &Ray, stack: &mut Vec<Task>, visitor: &mut V) {
         if !self.0.tree.nodes().is_empty() {
             let moved = MovedRay::new(self, ray);
-            let _ = dispatch!(level, simd => descend(simd, self, &moved, visitor));
+            let _ = dispatch!(simd::best_level(), simd => descend(simd, self, &moved, stack, visitor));
         }
     }
 }
@@ -259,8 +275,8 @@ impl MovedRay {
     /// Moves a ray to the mesh.
     ///
     /// # Accuracy
-    /// A plane at x is passed at `(x ± slack - origin) · inverse`, rounded four times. The slack
-    /// pays for that with 16 units of 2^-24 of the multiplied number, of which 4 are needed, and
+    /// A plane at x is passed at `(x ± slack - origin) · inverse`, rounded five times. The slack
+    /// pays for that with 16 units of 2^-24 of the multiplied number, of which 5 are needed, and
     /// for the error of the origin. A component of the direction below 2^-60 is replaced by 2^-60.
     /// That moves the ray by less than the slack as long as it is near the mesh.
     fn new(mesh: &Mesh, ray: &Ray) -> Self {
@@ -283,7 +299,7 @@ impl MovedRay {
         let slack = 16.0 * HALF_ULP * (reach + 4.0) + error;
         Self {
             line: Line::new(origin, direction, error),
-            origin: [origin.map(|x| ((x - slack) as f32).next_down()), origin.map(|x| ((x + slack) as f32).next_up())],
+            origin: [origin.map(|x| (x - slack) as f32), origin.map(|x| (x + slack) as f32)],
             inverse: direction.map(|x| (1.0 / if x.abs() < LEAST { LEAST.copysign(x) } else { x }) as f32),
             slack: (slack as f32).next_up(),
             per_given: frame.scale / units[0] / units[1],
@@ -325,12 +341,18 @@ impl MovedRay {
 }
 
 /// Passes the faces that the ray may intersect to the visitor, leaf by leaf, the nearest leaf
-/// first.
+/// first. `tasks` is working memory.
 #[inline(always)]
-fn descend<S: Simd>(simd: S, mesh: &Mesh, ray: &MovedRay, visitor: &mut impl Visitor) -> ControlFlow<()> {
+fn descend<S: Simd>(
+    simd: S,
+    mesh: &Mesh,
+    ray: &MovedRay,
+    tasks: &mut Vec<Task>,
+    visitor: &mut impl Visitor,
+) -> ControlFlow<()> {
     let (nodes, packets) = (mesh.0.tree.nodes(), mesh.packets());
     let mut last = f32::INFINITY;
-    let mut tasks = Vec::with_capacity(INITIAL_CAPACITY);
+    tasks.clear();
     tasks.push((f32::NEG_INFINITY, Child::Inner(0)));
     while let Some((entered, child)) = tasks.pop() {
         if entered > last {
@@ -370,5 +392,12 @@ fn descend<S: Simd>(simd: S, mesh: &Mesh, ray: &MovedRay, visitor: &mut impl Vis
     Continue(())
 }
 
-/// Initial capacity of the stack of tasks: eight levels of eight children, which few trees exceed.
-const INITIAL_CAPACITY: usize = 64;
+/// A node or leaf that is still to be visited, and the packed parameter at which the ray enters its
+/// box.
+type Task = (f32, Child);
+
+/// Returns an empty stack of tasks with room for eight levels of eight children, which few trees
+/// exceed.
+fn stack() -> Vec<Task> {
+    Vec::with_capacity(64)
+}
