@@ -120,8 +120,12 @@ class ContactRows(Ragged[Contacts]):
 
 def contact_rows(offsets: NDArray[np.int64], columns: Any, shape: tuple[int, ...]) -> ContactRows:
     """Return the contacts of many rows from the extension's columns."""
+    return ContactRows(offsets, _contacts_of(columns), shape)
+
+
+def _contacts_of(columns: Any) -> Contacts:
     manifold, normal, point_a, point_b, lower, upper, ids = columns
-    return ContactRows(offsets, Contacts(normal, upper, lower, upper, point_a, point_b, manifold, ids), shape)
+    return Contacts(normal, upper, lower, upper, point_a, point_b, manifold, ids)
 
 
 @overload
@@ -213,8 +217,7 @@ def contacts(
 
     def convert(columns: Any) -> Contacts | ContactRows:
         shape, (offsets, all_of_them) = columns
-        rows = contact_rows(offsets, all_of_them, tuple(shape))
-        return rows if rows.shape else rows.all
+        return contact_rows(offsets, all_of_them, tuple(shape)) if shape else _contacts_of(all_of_them)
 
     question = (a, b, pose_a, pose_b, solid, on_error, progress)
     return with_status(engine(on).contacts_of(question, margin, most_points), on_error, convert)

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from impinge._engine import engine
-from impinge._points import scalar
 from impinge._rows import Booleans, Pose, RaiseOptions, Statuses, StatusOptions, with_status
 from impinge._scalars import real
 from impinge._shape import AnyShape
@@ -97,13 +96,8 @@ def depth(
     >>> found.upper.round(9), bool(0.499 < found.lower[0] <= 0.5)
     (array([0.5, 0. ]), True)
     """
-    return with_status(engine(on).depth((a, b, pose_a, pose_b, False, on_error, progress)), on_error, _depth_of)
-
-
-def _depth_of(columns: Any) -> Depth:
-    """Return a `Depth`; 0-dimensional columns become plain numbers."""
-    lower, upper, point = columns
-    return Depth(scalar(lower), scalar(upper), point)
+    answer = engine(on).depth((a, b, pose_a, pose_b, False, on_error, progress))
+    return with_status(answer, on_error, lambda columns: Depth(*columns))
 
 
 @overload

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from impinge._engine import engine
-from impinge._points import scalar
 from impinge._rows import Booleans, Pose, RaiseOptions, Solid, Statuses, StatusOptions, with_status
 from impinge._scalars import real
 from impinge._shape import AnyShape
@@ -128,12 +127,8 @@ def distance(
     >>> far.distance.round(9)
     array([2., 0.])
     """
-    return with_status(engine(on).distance((a, b, pose_a, pose_b, solid, on_error, progress)), on_error, _distance_of)
-
-
-def _distance_of(columns: tuple[NDArray[Any], ...]) -> Distance:
-    """Return a `Distance`; 0-dimensional columns become plain numbers, points stay arrays."""
-    return Distance(*map(scalar, columns))
+    answer = engine(on).distance((a, b, pose_a, pose_b, solid, on_error, progress))
+    return with_status(answer, on_error, lambda columns: Distance(*columns))
 
 
 @overload

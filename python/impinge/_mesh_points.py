@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from impinge import _impinge
 from impinge._handles import handles_of
-from impinge._points import ClosestPoint, RayHit, RayHits, hits_of, scalar
+from impinge._points import ClosestPoint, RayHit, RayHits, hits_of
 
 
 class PointQueries(_impinge.MeshBase):
@@ -45,8 +45,7 @@ class PointQueries(_impinge.MeshBase):
         (array([1., 1., 0.]), 0, 3.0)
         """
         point, lower, upper, face = _impinge.closest_point(self, points)
-        upper = scalar(upper)
-        return ClosestPoint(point, upper, scalar(lower), upper, scalar(face))
+        return ClosestPoint(point, upper, lower, upper, face)
 
     def signed_distance(self, points: ArrayLike) -> float | NDArray[np.float64]:
         """Return the distance of points from the surface, negative inside the mesh as a solid.
@@ -76,7 +75,7 @@ class PointQueries(_impinge.MeshBase):
         >>> solid.signed_distance([[1, 1, 0.5], [1, 1, 0], [1, 1, -2]]).round(9)
         array([-0.5,  0. ,  2. ])
         """
-        return scalar(_impinge.signed_distance(self, points))  # type: ignore[no-any-return]
+        return _impinge.signed_distance(self, points)
 
     def winding_number(self, points: ArrayLike) -> float | NDArray[np.float64]:
         """Return the winding number of the mesh around each point: how often the mesh encloses it.
@@ -109,7 +108,7 @@ class PointQueries(_impinge.MeshBase):
         >>> solid.winding_number([[1, 1, 1], [5, 5, 5]])
         array([1., 0.])
         """
-        return scalar(_impinge.winding_number(self, points))  # type: ignore[no-any-return]
+        return _impinge.winding_number(self, points)
 
     def contains(self, points: ArrayLike) -> bool | NDArray[np.bool_]:
         """Report whether points are inside the mesh as a solid, or on its surface.
@@ -140,7 +139,7 @@ class PointQueries(_impinge.MeshBase):
         >>> solid.contains([[1, 1, 0], [1, 1, -1e-300]])
         array([ True, False])
         """
-        return scalar(_impinge.contains(self, points))  # type: ignore[no-any-return]
+        return _impinge.contains(self, points)
 
     def ray_cast(self, origins: ArrayLike, directions: ArrayLike) -> RayHit:
         """Return the first face that each ray hits; the origin is part of the ray.
@@ -175,8 +174,8 @@ class PointQueries(_impinge.MeshBase):
         >>> mesh.ray_cast([[1, 1, 3], [9, 9, 3]], [0, 0, -2]).t
         array([1.5, inf])
         """
-        hit, (t, face, point) = _impinge.ray_cast(self, origins, directions)
-        return RayHit(scalar(hit), scalar(t), scalar(face), point)
+        hit, columns = _impinge.ray_cast(self, origins, directions)
+        return RayHit(hit, *columns)
 
     def face_normals(self, faces: ArrayLike | None = None) -> NDArray[np.float64]:
         """Return the unit normals of faces, in the mesh frame.

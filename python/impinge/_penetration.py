@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from impinge._engine import engine
-from impinge._points import scalar
 from impinge._rows import Pose, RaiseOptions, Statuses, StatusOptions, with_status
 from impinge._shape import AnyShape
 
@@ -112,7 +111,5 @@ def penetration(
 
 
 def _penetration_of(columns: Any) -> Penetration:
-    """Return a `Penetration`; 0-dimensional columns become plain numbers."""
     hit, lower, upper, normal, point_a, point_b = columns
-    upper = scalar(upper)
-    return Penetration(upper, scalar(lower), upper, normal, point_a, point_b, scalar(hit))
+    return Penetration(upper, lower, upper, normal, point_a, point_b, hit)

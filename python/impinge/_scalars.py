@@ -26,6 +26,8 @@ more than a few thousand digits to text."""
 
 def whole(value: object, name: str, *, minimum: int = 0, maximum: int = MAX_COUNT) -> int:
     """Return an integer from `minimum` to `maximum`; NumPy integers are accepted, bool is not."""
+    if type(value) is int and minimum <= value <= maximum:
+        return value
     number = _unwrapped(value)
     if not isinstance(number, Integral) or isinstance(number, bool):
         raise InputError(f"must be a whole number, not {_shown(value)}", kind="type", what=name)
@@ -38,6 +40,8 @@ def whole(value: object, name: str, *, minimum: int = 0, maximum: int = MAX_COUN
 
 def real(value: object, name: str, *, minimum: float = -math.inf) -> float:
     """Return a float of at least `minimum`, possibly infinite; accepts real numbers except bool."""
+    if type(value) is float and value >= minimum:
+        return value
     number = _unwrapped(value)
     if not isinstance(number, Real) or isinstance(number, bool):
         raise InputError(f"must be a number, not {_shown(value)}", kind="type", what=name)

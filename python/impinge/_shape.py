@@ -12,7 +12,7 @@ from impinge import _arrays, _impinge
 from impinge._decomposition import ConvexParts
 from impinge._errors import InputError
 from impinge._mesh import Mesh
-from impinge._points import RayHit, scalar
+from impinge._points import RayHit
 from impinge._scalars import flag, real
 
 
@@ -421,8 +421,7 @@ class Shape(_impinge.ShapeBase):
         >>> impinge.Shape.sphere(1).ray_cast([[-3, 0, 0], [0, 0, 0], [-3, 2, 0]], [2, 0, 0]).t.round(9)
         array([ 1.,  0., inf])
         """
-        hit, t, face, point = _impinge.shape_ray_cast(self, origins, directions)
-        return RayHit(scalar(hit), scalar(t), scalar(face), point)
+        return RayHit(*_impinge.shape_ray_cast(self, origins, directions))
 
     def __repr__(self) -> str:
         """Return the constructor, with its arguments if there are few."""

@@ -106,8 +106,8 @@ class SolidBsp:
         InputError
             As for `Mesh.ray_cast`.
         """
-        hit, (t, face, point) = self._core.ray_cast(origins, directions)
-        return RayHit(scalar(hit), scalar(t), scalar(face), point)
+        hit, columns = self._core.ray_cast(origins, directions)
+        return RayHit(hit, *columns)
 
     def __repr__(self) -> str:
         """Return the number of cells and the depth."""

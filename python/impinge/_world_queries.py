@@ -242,7 +242,7 @@ class WorldQueries:
         """
         probe = shape, np.eye(4) if pose is None else pose
         found = _impinge.world_nearest(self._core, probe, real(limit, "limit", minimum=0), mask(layers, "layers"))
-        return BodyDistance(scalar(found[0]), Distance(*map(scalar, found[1])))
+        return BodyDistance(scalar(found[0]), Distance(*found[1]))
 
     def within(
         self, shape: AnyShape, clearance: float, pose: ArrayLike | None = None, *, layers: int = ALL_LAYERS

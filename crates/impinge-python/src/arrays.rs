@@ -1,6 +1,7 @@
 //! NumPy arrays as arguments and results.
 
 use numpy::{Element, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
@@ -54,6 +55,19 @@ pub(crate) fn array<'py, T: Element>(py: Python<'py>, values: Vec<T>, shape: &[u
         return Ok(flat.into_any());
     }
     Ok(flat.reshape(shape.to_vec())?.into_any())
+}
+
+/// Returns the only value if `shape` is empty, or an array with axes of the lengths in `shape`.
+pub(crate) fn numbers<'py, T: Element + Copy + IntoPyObject<'py>>(
+    py: Python<'py>,
+    values: Vec<T>,
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyAny>> {
+    match values[..] {
+        // An array without axes would take longer to make, and Python has to unwrap it.
+        [value] if shape.is_empty() => value.into_bound_py_any(py),
+        _ => array(py, values, shape),
+    }
 }
 
 /// Returns an array of rows of `N` entries with these leading axes.

@@ -4,7 +4,7 @@
 use impinge::query::{Deeper, Depth, Distance, Penetration, Witness};
 use pyo3::prelude::*;
 
-use crate::arrays::{array, row_array};
+use crate::arrays::{numbers, row_array};
 use crate::question::{Question, Search};
 use crate::verbs::yes_or_no;
 
@@ -19,7 +19,7 @@ pub(crate) fn distance(py: Python<'_>, question: Question) -> PyResult<Bound<'_,
 
 /// Returns distances as the columns that [`distance`] returns.
 pub(crate) fn columns<'py>(py: Python<'py>, values: &[Distance], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
-    let numbers = |of: fn(&Distance) -> f64| array(py, values.iter().map(of).collect(), shape);
+    let bounds = |of: fn(&Distance) -> f64| numbers(py, values.iter().map(of).collect(), shape);
     let points = |of: fn(&Witness) -> [f64; 3]| {
         let point = |value: &Distance| value.witness.as_ref().map_or([0.0; 3], of);
         row_array(py, values.iter().map(point).collect(), shape)
@@ -29,12 +29,12 @@ pub(crate) fn columns<'py>(py: Python<'py>, values: &[Distance], shape: &[usize]
             let faces = value.witness.and_then(|witness| witness.faces);
             faces.map_or(-1, |faces| i64::from(faces[side]))
         };
-        array(py, values.iter().map(face).collect(), shape)
+        numbers(py, values.iter().map(face).collect(), shape)
     };
     let columns = (
-        numbers(Distance::distance)?,
-        numbers(|value| value.lower)?,
-        numbers(|value| value.upper)?,
+        bounds(Distance::distance)?,
+        bounds(|value| value.lower)?,
+        bounds(|value| value.upper)?,
         points(|witness| witness.point_a)?,
         points(|witness| witness.point_b)?,
         faces(0)?,
@@ -59,13 +59,13 @@ pub(crate) fn penetration(py: Python<'_>, question: Question) -> PyResult<Bound<
     let replies = question.that_may_take_long().ask(py, Search::Whole, |batch| batch.penetration())?;
     replies.returned(py, |values, shape| {
         let of = |value: &Option<Penetration>| value.unwrap_or(NONE);
-        let numbers = |number: fn(Penetration) -> f64| array(py, values.iter().map(|v| number(of(v))).collect(), shape);
+        let bounds = |bound: fn(Penetration) -> f64| numbers(py, values.iter().map(|v| bound(of(v))).collect(), shape);
         let vectors =
             |vector: fn(Penetration) -> [f64; 3]| row_array(py, values.iter().map(|v| vector(of(v))).collect(), shape);
         let columns = (
-            array(py, values.iter().map(Option::is_some).collect(), shape)?,
-            numbers(|found| found.lower)?,
-            numbers(|found| found.upper)?,
+            numbers(py, values.iter().map(Option::is_some).collect(), shape)?,
+            bounds(|found| found.lower)?,
+            bounds(|found| found.upper)?,
             vectors(|found| found.normal)?,
             vectors(|found| found.point_a)?,
             vectors(|found| found.point_b)?,
@@ -81,9 +81,9 @@ pub(crate) fn penetration(py: Python<'_>, question: Question) -> PyResult<Bound<
 pub(crate) fn depth(py: Python<'_>, question: Question) -> PyResult<Bound<'_, PyAny>> {
     let replies = question.that_may_take_long().ask(py, Search::Whole, |batch| batch.depth())?;
     replies.returned(py, |values, shape| {
-        let numbers = |number: fn(&Depth) -> f64| array(py, values.iter().map(number).collect(), shape);
+        let bounds = |bound: fn(&Depth) -> f64| numbers(py, values.iter().map(bound).collect(), shape);
         let points = values.iter().map(|found| found.point.unwrap_or_default()).collect();
-        let columns = (numbers(|found| found.lower)?, numbers(|found| found.upper)?, row_array(py, points, shape)?);
+        let columns = (bounds(|found| found.lower)?, bounds(|found| found.upper)?, row_array(py, points, shape)?);
         Ok(columns.into_pyobject(py)?.into_any())
     })
 }

@@ -4,7 +4,7 @@ use impinge::partition;
 use impinge::world::{Body, World};
 use pyo3::prelude::*;
 
-use crate::arrays::{array, row_array};
+use crate::arrays::{numbers, row_array};
 use crate::rays::Rays;
 use crate::shapes::{WeighedShape, read_shape};
 use crate::world_bodies::refused;
@@ -30,9 +30,9 @@ pub(crate) fn shape_ray_cast<'py>(
         Ok(world.ray_cast(&partition::Ray::new(origin, direction, f64::INFINITY)?, |_| true))
     })?;
     let columns = (
-        array(py, found.iter().map(Option::is_some).collect(), &lead)?,
-        array(py, found.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect(), &lead)?,
-        array(py, found.iter().map(|hit| hit.and_then(|hit| hit.face).map_or(-1, i64::from)).collect(), &lead)?,
+        numbers(py, found.iter().map(Option::is_some).collect(), &lead)?,
+        numbers(py, found.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t)).collect(), &lead)?,
+        numbers(py, found.iter().map(|hit| hit.and_then(|hit| hit.face).map_or(-1, i64::from)).collect(), &lead)?,
         row_array(py, found.iter().map(|hit| hit.map_or([0.0; 3], |hit| hit.point)).collect(), &lead)?,
     );
     Ok(columns.into_pyobject(py)?.into_any())

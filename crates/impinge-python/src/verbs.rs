@@ -5,9 +5,9 @@ use impinge::query::batch::Batch;
 use impinge::query::{ContactOptions, Curves, Penetrates, Query, Share};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyList};
+use pyo3::types::PyList;
 
-use crate::arrays::{array, ragged, row_array};
+use crate::arrays::{array, numbers, ragged, row_array};
 use crate::contacts;
 use crate::errors::Fault;
 use crate::mesh::mesh_of;
@@ -36,10 +36,7 @@ pub(crate) fn penetrates(py: Python<'_>, question: Question) -> PyResult<Bound<'
 
 /// Converts booleans for Python: one `bool` without leading axes, or an array.
 pub(crate) fn yes_or_no(py: Python<'_>, replies: Replies<bool>) -> PyResult<Bound<'_, PyAny>> {
-    replies.returned(py, |values, shape| match values[..] {
-        [value] if shape.is_empty() => Ok(PyBool::new(py, value).to_owned().into_any()),
-        _ => array(py, values, shape),
-    })
+    replies.returned(py, |values, shape| numbers(py, values, shape))
 }
 
 /// Returns the pairs of intersecting faces and whether there are more: a (k, 2) array and a `bool`.
