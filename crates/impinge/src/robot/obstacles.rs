@@ -7,6 +7,7 @@ use super::cull::Limb;
 use super::links::PlacedLink;
 use crate::convex::{self, Core, Surface, Swept};
 use crate::math::Pose;
+use crate::math::vec3::{length, sub};
 use crate::partition::{BoxTree, Partition};
 use crate::scene::{PartId, Scene};
 use crate::shape::Form;
@@ -83,15 +84,14 @@ impl Obstacles {
             return;
         };
         let clearance = clearance_with(clearance, slack);
-        for limb in limbs {
-            _ = self.overlapping(limb, clearance, &mut |at| {
-                let is_new = !found.contains(&at) && self.is_compared(link, at);
-                if is_new && may_reach(limb, &self.parts[at].1, clearance) {
-                    found.push(at);
-                }
-                ControlFlow::Continue(())
-            });
-        }
+        let Some(all) = ball_about(limbs) else { return };
+        _ = self.overlapping(&all, clearance, &mut |at| {
+            if self.is_compared(link, at) && may_reach(&all, &self.parts[at].1, clearance) {
+                found.push(at);
+            }
+            ControlFlow::Continue(())
+        });
+        found.retain(|&at| limbs.iter().any(|limb| may_reach(limb, &self.parts[at].1, clearance)));
         found.sort_unstable();
     }
 
@@ -150,6 +150,20 @@ impl Obstacles {
         let (part, placed) = &self.parts[at];
         (*part, placed)
     }
+}
+
+/// Returns a ball about capsules, or `None` if there are none.
+fn ball_about(limbs: &[Limb]) -> Option<Limb> {
+    let ends = || limbs.iter().flat_map(|limb| limb.ends);
+    let first = ends().next()?;
+    let bounds = ends().fold([first; 2], |[min, max], end| {
+        [std::array::from_fn(|k| min[k].min(end[k])), std::array::from_fn(|k| max[k].max(end[k]))]
+    });
+    let center: [f64; 3] = std::array::from_fn(|k| 0.5 * bounds[0][k] + 0.5 * bounds[1][k]);
+    let reach = |limb: &Limb| limb.ends.iter().map(|end| length(&sub(end, &center))).fold(0.0, f64::max) + limb.radius;
+    // The last term is more than squares that underflow lose.
+    let radius = limbs.iter().map(reach).fold(0.0, f64::max) * (1.0 + 16.0 * f64::EPSILON) + 1e-150;
+    Some(Limb { ends: [center; 2], radius })
 }
 
 /// Returns a clearance and the rounding of the places of capsules, rounded up.
