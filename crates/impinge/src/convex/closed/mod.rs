@@ -5,19 +5,21 @@
 //! A core of the first kinds is its center plus multiples within ±1 of at most three half edges. So
 //! the set of differences of two cores is a zonotope of at most six half edges. `differences`
 //! computes it, `nearest` proposes its point nearest to the origin, and `slabs` finds how deep the
-//! origin is inside. `around_point` has the other pairs.
+//! origin is inside. `around_point` has the other pairs, and `parallel` the depth of cylinders and
+//! cones with parallel axes.
 //!
 //! A closed form only proposes: the interval of the distance is proved from the proposed point,
 //! whatever that is. If the interval does not decide the query, or is wider than the iteration's,
 //! the answer is `None`, and the iteration and exact arithmetic answer instead. They are also the
 //! oracle in the tests.
 //!
-//! The proof is docs/notes/proof.md, L33 and L35. The tests are in `closed/tests.rs`, and the
+//! The proof is docs/notes/proof.md, L33, L35 and L47. The tests are in `closed/tests.rs`, and the
 //! benchmark is `shapes` in `impinge-bench`.
 
 mod around_point;
 mod differences;
 mod nearest;
+mod parallel;
 mod slabs;
 
 use self::around_point::Found;
@@ -122,7 +124,8 @@ pub(super) fn depth(a: &Swept<'_>, b: &Swept<'_>, width: f64) -> Option<Depth> {
         return Some(Depth { core: CoreDepth { lower: -apart, upper: apart, direction, points: *points }, apart });
     }
     let Some(differences) = Differences::between(a, b) else {
-        return of_apart(around_point::found(a, b)?, width);
+        let inside = parallel::depth(a, b, width).map(|core| Depth { core, apart: 0.0 });
+        return inside.or_else(|| of_apart(around_point::found(a, b)?, width));
     };
     let width = width.max(MAX_DEPTH_WIDTH * differences.extent);
     if differences.are_boxes() {
