@@ -15,9 +15,7 @@ knew.
 """
 
 import argparse
-import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import fcl
@@ -25,35 +23,16 @@ import impinge
 import impinge.fcl
 import impinge.trimesh
 import numpy as np
-import record
 import trimesh
 from about import circumstances
+from in_turn import Call, Row, print_rows, same_truth
 from torus_knot import torus_knot
-
-Call = Callable[[], Any]
-
-
-@dataclass
-class Row:
-    """A call of both modules, and a function that compares the two answers."""
-
-    name: str
-    rival: str
-    ours: Call
-    theirs: Call
-    agree: Callable[[Any, Any], bool]
-
 
 def turns(rng: np.random.Generator, count: int) -> np.ndarray:
     """Return random rotations, (n, 3, 3)."""
     quaternions = rng.normal(size=(count, 4))
     quaternions /= np.linalg.norm(quaternions, axis=1, keepdims=True)
     return impinge.pose(quat_wxyz=quaternions)[:, :3, :3]
-
-
-def same_truth(ours: Any, theirs: Any) -> bool:
-    """Report whether both answers are true, or both are false."""
-    return bool(ours) == bool(theirs)
 
 
 def same_names(ours: Any, theirs: Any) -> bool:
@@ -218,38 +197,16 @@ def of_callbacks(count: int) -> list[Row]:
     ]
 
 
-def minima(row: Row, budget: float) -> list[float]:
-    """Return the minimum seconds of a call of impinge, and of one of the rival, asked in turn."""
-    best = [np.inf, np.inf]
-    begun, rounds = time.perf_counter(), 0
-    while rounds < 3 or time.perf_counter() - begun < budget:
-        rounds += 1
-        for side, ask in enumerate((row.ours, row.theirs)):
-            start = time.perf_counter()
-            ask()
-            best[side] = min(best[side], time.perf_counter() - start)
-    return best
-
-
 def main() -> None:
     """Print the table, and exit with an error if two answers differ."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=float, default=1.0, help="time for each row")
     budget = parser.parse_args().seconds
     print(circumstances(), end="\n\n")
-    print("| call | impinge, us | rival | rival, us | impinge / rival |")
-    print("|---|---:|---|---:|---:|")
     rows = of_managers("200 boxes", trimesh.creation.box(), 200, 8)
     rows += of_managers("100 icospheres", trimesh.creation.icosphere(subdivisions=3), 100, 12)
     rows += of_calls() + of_callbacks(200)
-    for row in rows:
-        ours, theirs = row.ours(), row.theirs()
-        if not row.agree(ours, theirs):
-            raise SystemExit(f"{row.name}: {ours} and {theirs} differ")
-        one, other = minima(row, budget)
-        print(f"| {row.name} | {one * 1e6:.2f} | {row.rival} | {other * 1e6:.2f} | {one / other:.2f} |", flush=True)
-        for engine, seconds in (("impinge", one), (row.rival, other)):
-            record.row(row.name, "call minimum", "s", seconds, engine)
+    print_rows(rows, budget)
 
 
 if __name__ == "__main__":

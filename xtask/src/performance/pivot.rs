@@ -89,9 +89,20 @@ impl Pivot {
         }
         for time in self.times {
             let ours = |case: &str| find(run, case, self.ours, time.quantity);
+            let [unit, separator] = [time.unit.sign(), if time.heading.is_empty() { "" } else { ": " }];
+            if self.has_one_peer_for_each_case(run, time.quantity) {
+                let peer = |case: &str| self.peers(run, case, time.quantity).into_iter().next();
+                let theirs = |case: &str| find(run, case, peer(case)?, time.quantity);
+                column(format!("{}{separator}{}, {unit}", time.heading, self.ours), &|case| {
+                    ours(case).map(|seconds| time.unit.show(seconds))
+                });
+                column("other library".to_owned(), &|case| peer(case).map(str::to_owned));
+                column(format!("its time, {unit}"), &|case| theirs(case).map(|seconds| time.unit.show(seconds)));
+                column("its time / impinge".to_owned(), &|case| Some(digits(theirs(case)? / ours(case)?)));
+                continue;
+            }
             for engine in engines(run, time.quantity) {
                 let theirs = |case: &str| find(run, case, engine, time.quantity);
-                let [unit, separator] = [time.unit.sign(), if time.heading.is_empty() { "" } else { ": " }];
                 column(format!("{}{separator}{engine}, {unit}", time.heading), &|case| {
                     theirs(case).map(|seconds| time.unit.show(seconds))
                 });
@@ -117,6 +128,18 @@ impl Pivot {
             }
         }
         found
+    }
+
+    /// Reports whether there are several other libraries, but only one of them in each case.
+    fn has_one_peer_for_each_case(&self, run: &[Row], quantity: &str) -> bool {
+        let all = engines(run, quantity).into_iter().filter(|engine| self.is_peer(engine)).count();
+        all > 1 && self.cases_of(run).iter().all(|case| self.peers(run, case, quantity).len() == 1)
+    }
+
+    /// Returns the other libraries that have a quantity in a case, in the order of the run.
+    fn peers<'a>(&self, run: &'a [Row], case: &str, quantity: &str) -> Vec<&'a str> {
+        let all = engines(run, quantity).into_iter();
+        all.filter(|engine| self.is_peer(engine) && find(run, case, engine, quantity).is_some()).collect()
     }
 
     /// Reports whether an engine is another library, and not a way to call impinge.
@@ -217,6 +240,29 @@ mod tests {
 | far |  |  |  |  |  | 241 | 120 | 0.498 |
 ";
         assert_eq!(PIVOT.table(&run()), expected);
+    }
+
+    #[test]
+    fn a_table_with_another_library_in_each_case_names_it_in_a_column() {
+        let pivot = Pivot {
+            cases: "call",
+            ours: "impinge",
+            counts: &[],
+            times: &[Time { quantity: "call minimum", heading: "", unit: Unit::Microseconds }],
+        };
+        let run = [
+            row("a", "near", "impinge", "call minimum", 2e-6),
+            row("a", "near", "FCL", "call minimum", 3e-6),
+            row("a", "far", "impinge", "call minimum", 4e-6),
+            row("a", "far", "Coal", "call minimum", 1e-6),
+        ];
+        let expected = "\
+| call | impinge, µs | other library | its time, µs | its time / impinge |
+|---|---:|---|---:|---:|
+| near | 2 | FCL | 3 | 1.5 |
+| far | 4 | Coal | 1 | 0.25 |
+";
+        assert_eq!(pivot.table(&run), expected);
     }
 
     #[test]
