@@ -15,8 +15,8 @@ pub(crate) struct Plain {
 }
 
 impl Plain {
-    /// Returns the array itself if its doubles are contiguous, and otherwise the result of the
-    /// reader.
+    /// Returns the array itself if its doubles are contiguous, a copy of an array of single
+    /// precision, and otherwise the result of the reader.
     ///
     /// # Errors
     /// `InputError` if the value cannot be converted. It contains the name of the argument.
@@ -27,6 +27,12 @@ impl Plain {
             && array.data().is_aligned()
         {
             return Ok(array.readonly());
+        }
+        // The reader would take several times as long for a single point.
+        if let Ok(array) = value.cast::<PyArrayDyn<f32>>()
+            && array.shape().ends_with(self.core)
+        {
+            return Ok(array.cast_array::<f64>(false)?.readonly());
         }
         static MODULE: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
         let py = value.py();

@@ -1,5 +1,6 @@
 //! The mesh in Python.
 
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use impinge::hierarchy::Builder;
@@ -41,11 +42,20 @@ struct State {
     proxies: Arc<OnceLock<Option<Proxies>>>,
     /// Baked file that the mesh comes from, which may hold its proxies. Absent after a change.
     baked: Option<Arc<Baked>>,
+    /// Whether a query has computed the values derived from the mesh that decide about points.
+    is_prepared: Arc<AtomicBool>,
 }
 
 impl State {
     fn new(mesh: Mesh, is_double: bool) -> Self {
-        Self { mesh, is_double, vertices: Arc::new(PyOnceLock::new()), proxies: Arc::default(), baked: None }
+        Self {
+            mesh,
+            is_double,
+            vertices: Arc::new(PyOnceLock::new()),
+            proxies: Arc::default(),
+            baked: None,
+            is_prepared: Arc::default(),
+        }
     }
 }
 
@@ -140,7 +150,9 @@ impl MeshBase {
             mesh
         })?;
         let vertices = state.vertices.clone();
-        self.replace(State { mesh, ..state }, |current| !Arc::ptr_eq(&current.vertices, &vertices));
+        self.replace(State { mesh, is_prepared: Arc::default(), ..state }, |current| {
+            !Arc::ptr_eq(&current.vertices, &vertices)
+        });
         Ok(())
     }
 
@@ -243,8 +255,22 @@ pub(crate) fn proxies_of(mesh: &Bound<'_, PyAny>) -> PyResult<(Mesh, Option<Prox
 /// # Errors
 /// `InputError` if the argument is not an `impinge.Mesh`.
 pub(crate) fn mesh_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Mesh> {
+    Ok(state_of(value, name)?.mesh)
+}
+
+/// Returns the mesh of a value, and whether the values derived from it that decide about points are
+/// known. The caller sets that after a query.
+///
+/// # Errors
+/// As for [`mesh_of`].
+pub(crate) fn prepared_mesh_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Mesh, Arc<AtomicBool>)> {
+    let State { mesh, is_prepared, .. } = state_of(value, name)?;
+    Ok((mesh, is_prepared))
+}
+
+fn state_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<State> {
     match value.cast::<MeshBase>() {
-        Ok(base) => Ok(base.get().state().mesh),
+        Ok(base) => Ok(base.get().state()),
         Err(_) => {
             let message = format!("must be an impinge.Mesh, not {}", value.get_type().qualname()?);
             let hint = Some("impinge.Mesh(...) makes one of arrays or of a trimesh.Trimesh, once for many questions");

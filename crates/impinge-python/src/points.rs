@@ -1,5 +1,7 @@
 //! Queries of points against one mesh, in the mesh frame.
 
+use std::sync::atomic::Ordering;
+
 use impinge::mesh::{ClosestPoint, Containment};
 use impinge::query::batch::Broadcast;
 use impinge::{InputError, Mesh};
@@ -9,7 +11,7 @@ use pyo3::prelude::*;
 use crate::arrays::{Plain, numbers, row_array};
 use crate::blocks::{self, Length};
 use crate::errors::Fault;
-use crate::mesh::mesh_of;
+use crate::mesh::prepared_mesh_of;
 
 /// Arrays of points.
 const PLAIN: Plain = Plain { core: &[3], reader: "plain_points" };
@@ -68,15 +70,18 @@ impl Points {
         search: Search,
         ask: impl Fn(&Mesh, &[[f64; 3]]) -> Result<Vec<T>, InputError> + Send + Sync + 'static,
     ) -> PyResult<(Vec<T>, Vec<usize>)> {
-        let (py, mesh) = (mesh.py(), mesh_of(mesh, "mesh")?);
+        let (py, (mesh, is_prepared)) = (mesh.py(), prepared_mesh_of(mesh, "mesh")?);
         let Self { shape, rows: points } = self;
         let brief = points.len() as u128 * mesh.faces().len() as u128 <= MAX_WORK_ON_CALLER;
         let length = match search {
             _ if brief => Length::Brief,
             Search::Tree => Length::Quick,
+            Search::Derived if is_prepared.load(Ordering::Relaxed) => Length::Quick,
             Search::Derived => Length::Long,
         };
+        let prepares = search == Search::Derived && !points.is_empty();
         let answers = blocks::answers(py, points.len(), length, move |rows| ask(&mesh, &points[rows]))?;
+        is_prepared.fetch_or(prepares, Ordering::Relaxed);
         Ok((answers, shape))
     }
 }
