@@ -133,14 +133,14 @@ impinge's pairs are triangles that intersect, decided exactly.",
         },
     },
     Section {
-        heading: "Each verb from Python beside another library",
+        heading: "Functions of Python beside other libraries",
         about: "\
-One call of a function of impinge, and of the fastest other library that was found for it: minimum.
-Each library uses the threads that it uses by itself. impinge, Open3D and libigl use two cores for
-many points and rays, and the others one. The large mesh has 2,000,000 faces, and the scan is the
-human that comes with impinge. Open3D and Embree compute in single precision, and libigl
-approximates winding numbers. FCL returns depths of curved shapes that are often longer than the
-shortest way out. `impinge.load` validates a mesh and builds its hierarchy, and trimesh does not.",
+One call of a function of impinge, and of another library that has it: minimum. Each library uses
+the threads that it uses by itself. impinge, Open3D and libigl use two cores for many points and
+rays, and the others one. The large mesh has 2,000,000 faces, and the scan is the human that comes
+with impinge. Open3D and Embree compute in single precision, and libigl approximates winding
+numbers. FCL returns depths of curved shapes that are often longer than the shortest way out.
+`impinge.load` validates a mesh and builds its hierarchy, and trimesh does not.",
         bench: "verbs",
         pivot: Pivot {
             cases: "call",
