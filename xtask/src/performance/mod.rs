@@ -113,9 +113,12 @@ fn losses(shown: &[(&Section, &Record, &[Row])]) -> String {
 }
 
 /// Returns the record of the first processor in [`PREFERRED`] that has one, or else the first by
-/// name.
+/// name. A record whose fullest run has less than half the rows of another one is left out.
 fn preferred<'a>(records: impl Iterator<Item = &'a Record>) -> Option<&'a Record> {
-    records.min_by_key(|record| {
+    let rows = |record: &Record| fullest(record).map_or(0, <[Row]>::len);
+    let records: Vec<&Record> = records.collect();
+    let most = records.iter().map(|record| rows(record)).max()?;
+    records.into_iter().filter(|record| 2 * rows(record) >= most).min_by_key(|record| {
         let rank = PREFERRED.iter().position(|cpu| *cpu == record.cpu).unwrap_or(PREFERRED.len());
         (rank, &record.cpu)
     })
@@ -155,6 +158,14 @@ mod tests {
         assert!(text.contains("AMD EPYC (Zen 5), date of second, commit `second`, from\n"), "{text}");
         assert!(text.contains("| apart | 2 | 3 | 1.5 |\n| near | 2 | 1 | 0.5 |\n"), "{text}");
         assert!(!text.contains("partial") && !text.contains("other`") && !text.contains("Rays"), "{text}");
+    }
+
+    #[test]
+    fn a_record_of_few_rows_gives_way_to_a_full_one() {
+        let full = ["apart", "near", "far"].map(|case| timed("full", case, 1e-6, 2e-6)).concat();
+        let few = |cases: &[&str]| cases.iter().flat_map(|case| timed("few", case, 1e-6, 2e-6)).collect::<Vec<_>>();
+        let shown = |cases: &[&str]| page(&[record("emerald-rapids", few(cases)), record("zen3", full.clone())]);
+        assert!(shown(&["apart"]).contains("commit `full`") && shown(&["apart", "near"]).contains("commit `few`"));
     }
 
     #[test]
