@@ -124,8 +124,8 @@ impinge's pairs are triangles that intersect, decided exactly.",
     Section {
         heading: "One call from Python",
         about: "\
-One call at one pose, for two wavy sheets of triangles: median. One sheet is the other moved up by an
-eighth of its side, or turned so that they cross.",
+One call at one pose, for two wavy sheets of triangles: median. One sheet is the other moved up by
+an eighth of its side, or turned so that they cross.",
         bench: "latency",
         pivot: Pivot {
             cases: "faces and question",
