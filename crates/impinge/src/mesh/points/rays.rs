@@ -168,8 +168,7 @@ impl Mesh {
     }
 
     fn for_each_ray<T: Send>(&self, rays: &[Ray], cast: impl Fn(&Ray, &mut Vec<Task>) -> T + Sync) -> Vec<T> {
-        let casts = rays.par_iter().with_min_len(MIN_RAYS_PER_TASK);
-        casts.map_init(stack, |stack, ray| cast(ray, stack)).collect()
+        rays.par_iter().with_min_len(MIN_RAYS_PER_TASK).map_init(stack, |stack, ray| cast(ray, stack)).collect()
     }
 
     #[inline(never)]
@@ -392,12 +391,10 @@ fn descend<S: Simd>(
     Continue(())
 }
 
-/// A node or leaf that is still to be visited, and the packed parameter at which the ray enters its
-/// box.
+/// A node or leaf still to be visited, and the packed parameter at which the ray enters its box.
 type Task = (f32, Child);
 
-/// Returns an empty stack of tasks with room for eight levels of eight children, which few trees
-/// exceed.
+/// Returns an empty stack with room for eight levels of eight children, which few trees exceed.
 fn stack() -> Vec<Task> {
     Vec::with_capacity(64)
 }
