@@ -108,7 +108,6 @@ def of_large(mesh: impinge.Mesh) -> Iterator[Row]:
         "capsule": (impinge.Shape.capsule([0, 0, -0.5], [0, 0, 0.5], 0.2), coal.Capsule(0.2, 1.0)),
         "hull": (impinge.Shape.hull(corners), coal_hull(corners)),
     }
-    # Near the hole of the knot, so that boxes overlap and no face is touched.
     for name, (ours, theirs) in shapes.items():
         yield Row(
             f"large, intersects {name}, apart",
@@ -240,10 +239,7 @@ def of_shapes() -> Iterator[Row]:
     curved = {
         "ellipsoids": ((impinge.Shape.ellipsoid([0.5, 0.7, 1]),) * 2, (fcl.Ellipsoid(0.5, 0.7, 1),) * 2),
         "cylinder and cone": (
-            (
-                impinge.Shape.cylinder(0.8, 0.6),
-                impinge.Shape.cone(0.7, 0.7),
-            ),
+            (impinge.Shape.cylinder(0.8, 0.6), impinge.Shape.cone(0.7, 0.7)),
             (fcl.Cylinder(0.6, 1.6), fcl.Cone(0.7, 1.4)),
         ),
         "hulls of 32": ((impinge.Shape.hull(corners),) * 2, (fcl.Convex(hull.vertices, len(hull.faces), flat),) * 2),

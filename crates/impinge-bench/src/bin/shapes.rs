@@ -177,7 +177,11 @@ fn spheres(repeats: usize) -> Result<Table<7>> {
         let contacts = query::contacts(&a, &b);
         let deepest =
             contacts.iter().flat_map(|manifold| &manifold.points).map(|point| point.upper).fold(0.0, f64::max);
-        ensure!(patches.len() == 1 && (deepest - overlap).abs() < 5e-3, "one region, {deepest} deep");
+        ensure!(
+            patches.len() == 1 && (deepest - overlap).abs() < 5e-3,
+            "expected one region {overlap} deep, not {} and {deepest}",
+            patches.len()
+        );
         let depth = query::penetration(&sphere, sphere.at(pose)).ok_or_else(|| anyhow::anyhow!("they meet"))?;
         ensure!(depth.lower <= depth.upper && (depth.upper - overlap).abs() < 1e-3, "{depth:?}");
         table.row([

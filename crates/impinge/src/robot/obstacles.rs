@@ -152,7 +152,7 @@ impl Obstacles {
     }
 }
 
-/// Returns a ball about capsules, or `None` if there are none.
+/// Returns a ball that holds all capsules, or `None` for an empty list.
 fn ball_about(limbs: &[Limb]) -> Option<Limb> {
     let ends = || limbs.iter().flat_map(|limb| limb.ends);
     let first = ends().next()?;

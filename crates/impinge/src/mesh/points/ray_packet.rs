@@ -35,8 +35,8 @@ pub(in crate::mesh) struct Line {
 pub(in crate::mesh) struct Passed {
     /// The triangles that the line is not proved to miss.
     pub(in crate::mesh) may_intersect: u32,
-    /// The triangles whose inside the line certainly intersects, with corners that turn to the left
-    /// as seen against its axis `k`.
+    /// The triangles whose inside the line certainly intersects, and whose corners turn to the left
+    /// as seen against the axis `k`.
     pub(in crate::mesh) turning_left: u32,
     /// The same for corners that turn to the right.
     pub(in crate::mesh) turning_right: u32,
