@@ -27,6 +27,9 @@ pub(super) struct Corner {
     pub(super) point: [f64; 3],
 }
 
+/// The least and the greatest coordinates of a polygon along two axes.
+pub(super) type Bounds = [[f64; 2]; 2];
+
 /// The corners of a facing part. The facets of boxes, and the parts of round cores, have at most
 /// eight.
 pub(super) type Corners = ShortList<Corner, 8>;
@@ -53,18 +56,83 @@ pub(super) fn facing(set: &Posed<'_>, facets: Option<&Facets>, direction: [f64; 
     }
 }
 
-/// Returns all facets of a polytope that lean towards a direction, the one that leans most first.
-/// If there is none, returns the edge or the corner that faces it.
-pub(super) fn facing_facets(set: &Posed<'_>, facets: &Facets, direction: [f64; 3]) -> Vec<Facing> {
-    let best = of_polytope(set, facets, direction);
-    if best.corners.len() < 3 {
-        return vec![best];
+/// The facets of a polytope, with their corners and normals in the common frame. They serve many
+/// directions.
+pub(super) struct PosedFacets<'f> {
+    facets: &'f Facets,
+    corners: Vec<Corner>,
+    /// Outward normals of the facets, of length 1.
+    normals: Vec<[f64; 3]>,
+}
+
+impl<'f> PosedFacets<'f> {
+    pub(super) fn new(set: &Posed<'_>, facets: &'f Facets) -> Self {
+        let corner = |&(number, local): &(u32, [f64; 3])| Corner { number, point: set.spot(local).point };
+        let corners: Vec<Corner> = facets.corners.iter().map(corner).collect();
+        let normal = |facet| facets.normal(facet, set, |corner| corners[corner as usize].point);
+        let normals = facets.all().map(normal).collect();
+        Self { facets, corners, normals }
     }
-    let others = (0..facets.outlines.len() as u32)
-        .filter(|&facet| facet != best.facet)
-        .filter(|&facet| faces(facets.cosine(set, facet, &direction)));
-    let others = others.map(|facet| facets.facing(set, facet)).collect::<Vec<_>>();
-    std::iter::once(best).chain(others).collect()
+
+    /// Returns all facets that lean towards a direction, the one that leans most first. If there is
+    /// none, returns the edge or the corner that faces it.
+    pub(super) fn leaning(&self, set: &Posed<'_>, direction: [f64; 3]) -> AllFacing<'_> {
+        let first = of_polytope(set, self.facets, direction);
+        let leans = |facet: &u32| *facet != first.facet && faces(dot(&direction, &self.normals[*facet as usize]));
+        let others = if first.corners.len() < 3 { Vec::new() } else { self.facets.all().filter(leans).collect() };
+        AllFacing { first, others, facets: Some(self) }
+    }
+}
+
+/// All parts of a shape that face a direction.
+pub(super) struct AllFacing<'f> {
+    /// The part that faces the direction most.
+    pub(super) first: Facing,
+    /// Numbers of the other facets.
+    others: Vec<u32>,
+    /// The facets, if there may be others.
+    facets: Option<&'f PosedFacets<'f>>,
+}
+
+impl AllFacing<'_> {
+    pub(super) fn only(first: Facing) -> Self {
+        Self { first, others: Vec::new(), facets: None }
+    }
+
+    /// Returns the part with a number. The first one has number zero.
+    pub(super) fn part(&self, number: usize) -> Facing {
+        let facet = number.checked_sub(1).and_then(|other| self.others.get(other));
+        let Some((&facet, PosedFacets { facets, corners, .. })) = facet.zip(self.facets) else {
+            return self.first.clone();
+        };
+        let mut outline = no_corners();
+        outline.extend(facets.outlines.list(facet).iter().map(|&corner| corners[corner as usize]));
+        Facing { corners: outline, facet }
+    }
+
+    /// Returns all parts, in order.
+    #[cfg(test)]
+    pub(super) fn parts(&self) -> Vec<Facing> {
+        (0..=self.others.len()).map(|number| self.part(number)).collect()
+    }
+
+    /// Returns for each part, in order, the least and the greatest coordinates along two axes.
+    pub(super) fn bounds(&self, axes: &[[f64; 3]; 2]) -> Vec<Bounds> {
+        let place = |corner: &Corner| axes.each_ref().map(|axis| dot(axis, &corner.point));
+        let first = bounds_of(self.first.corners.iter().map(place));
+        let Some(PosedFacets { facets, corners, .. }) = self.facets else { return vec![first] };
+        let places: Vec<[f64; 2]> = corners.iter().map(place).collect();
+        let of_facet =
+            |&facet: &u32| bounds_of(facets.outlines.list(facet).iter().map(|&corner| places[corner as usize]));
+        std::iter::once(first).chain(self.others.iter().map(of_facet)).collect()
+    }
+}
+
+/// Returns the least and the greatest coordinates of some places.
+pub(super) fn bounds_of(places: impl Iterator<Item = [f64; 2]>) -> Bounds {
+    places.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[least, greatest], place| {
+        [[0, 1].map(|k| f64::min(least[k], place[k])), [0, 1].map(|k| f64::max(greatest[k], place[k]))]
+    })
 }
 
 /// Reports whether a facet with this cosine between its normal and a direction faces it.
@@ -74,17 +142,23 @@ fn faces(cosine: f64) -> bool {
 
 /// Returns the outward normals of all facets of a core, of length 1 in the common frame.
 pub(super) fn facet_normals(set: &Posed<'_>, facets: &Facets) -> Vec<[f64; 3]> {
-    (0..facets.outlines.len() as u32).map(|facet| facets.normal(set, facet)).collect()
+    PosedFacets::new(set, facets).normals
 }
 
 impl Facets {
-    /// Returns the cosine of the angle between the outward normal of a facet and a direction.
-    fn cosine(&self, set: &Posed<'_>, facet: u32, direction: &[f64; 3]) -> f64 {
-        dot(direction, &self.normal(set, facet))
+    fn all(&self) -> std::ops::Range<u32> {
+        0..self.outlines.len() as u32
     }
 
-    fn normal(&self, set: &Posed<'_>, facet: u32) -> [f64; 3] {
-        let outline = self.outlines.list(facet).iter().map(|&corner| set.spot(self.corners[corner as usize].1).point);
+    /// Returns the cosine of the angle between the outward normal of a facet and a direction.
+    fn cosine(&self, set: &Posed<'_>, facet: u32, direction: &[f64; 3]) -> f64 {
+        dot(direction, &self.normal(facet, set, |corner| set.spot(self.corners[corner as usize].1).point))
+    }
+
+    /// Returns the outward normal of a facet, of length 1 in the common frame, given the positions
+    /// of corners there.
+    fn normal(&self, facet: u32, set: &Posed<'_>, position: impl Fn(u32) -> [f64; 3]) -> [f64; 3] {
+        let outline = self.outlines.list(facet).iter().map(|&corner| position(corner));
         let outward = if set.pose().mirrors() { -1.0 } else { 1.0 };
         to_unit_length(vector_area(outline).map(|x| outward * x))
     }
@@ -169,4 +243,54 @@ fn vector_area(mut outline: impl Iterator<Item = [f64; 3]>) -> [f64; 3] {
         before = from_first;
     }
     area
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::posed::{Pair, Swept};
+    use super::*;
+    use crate::hull::Hull;
+    use crate::math::Pose;
+    use impinge_testkit::generate::{Rng, poses, solids};
+
+    /// Facets whose corners and normals are computed for each direction.
+    #[test]
+    fn posed_facets_have_the_same_parts_as_facets() {
+        let mut rng = Rng::new(575);
+        let sphere = Hull::new(&solids::icosphere(2).vertices).expect("a hull");
+        let facets = Facets::of_hull(&sphere);
+        let (mut parts, mut edges) = (0, 0);
+        for case in 0..200 {
+            let place = poses::rotation(&mut rng);
+            let pose = Pose::new(place.linear, place.translation).expect("a pose");
+            let swept = Swept { core: Core::Hull(&sphere), pose: &pose, radius: [0.0; 2] };
+            let pair = Pair::new(&swept, &swept);
+            let posed = PosedFacets::new(&pair.a, &facets);
+            let direction = if case % 2 == 0 {
+                facets.normal(case, &pair.a, |corner| pair.a.spot(facets.corners[corner as usize].1).point)
+            } else {
+                to_unit_length([0; 3].map(|_: i32| rng.integer(-2, 2) as f64))
+            };
+            let all = posed.leaning(&pair.a, direction);
+            let first = facing(&pair.a, Some(&facets), direction);
+            let others = facets.all().filter(|&facet| {
+                facet != first.facet && first.corners.len() > 2 && faces(facets.cosine(&pair.a, facet, &direction))
+            });
+            let mut expected = vec![first.clone()];
+            expected.extend(others.map(|facet| facets.facing(&pair.a, facet)));
+            let found = all.parts();
+            assert_eq!(found.len(), expected.len());
+            let axes = [[0.6, 0.0, 0.8], [0.0, 1.0, 0.0]];
+            for ((found, expected), bounds) in found.iter().zip(&expected).zip(all.bounds(&axes)) {
+                assert_eq!((found.facet, &found.corners[..]), (expected.facet, &expected.corners[..]));
+                for corner in found.corners.iter() {
+                    let place = axes.each_ref().map(|axis| dot(axis, &corner.point));
+                    assert!((0..2).all(|k| bounds[0][k] <= place[k] && place[k] <= bounds[1][k]));
+                }
+            }
+            parts += found.len();
+            edges += usize::from(first.corners.len() < 3);
+        }
+        assert!(parts > 800, "{parts} {edges}");
+    }
 }

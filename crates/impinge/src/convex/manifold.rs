@@ -16,9 +16,9 @@
 
 use super::depth::{Effort, depth_in_order};
 use super::facets::Facets;
-use super::facing::{Facing, facet_normals, facing, facing_facets};
+use super::facing::{AllFacing, PosedFacets, facing};
 use super::interval::{above, below};
-use super::overlap::{Feature, Over, Places, is_one_place, overlap, shadow_tolerance};
+use super::overlap::{Feature, Over, Places, is_one_place, overlap, overlap_of_all, shadow_tolerance};
 use super::posed::{Core, Pair, Posed, Swept};
 use super::short_list::ShortList;
 use crate::math::relative::UNIT_ROUNDOFF;
@@ -83,50 +83,37 @@ impl Contacts {
     }
 }
 
-/// Returns how far the second of two shapes must move along a direction of length 1 to be beyond
-/// the first, rounded. It is negative if it is beyond it already.
-pub(super) fn depth_along(a: &Swept<'_>, b: &Swept<'_>, direction: [f64; 3]) -> f64 {
-    if !a.is_before(b) {
-        return depth_along(b, a, direction.map(|x| 0.0 - x));
+/// One of two shapes in their common frame.
+pub(super) struct Side<'s> {
+    shape: Faceted<'s>,
+    /// The facets, if all that lean towards a normal are in contact along it.
+    leaning: Option<PosedFacets<'s>>,
+}
+
+impl<'s> Side<'s> {
+    pub(super) fn new(set: &Posed<'_>, shape: &Faceted<'s>) -> Self {
+        let facets = shape.facets.filter(|facets| shape.has_all_facets && !facets.corners.is_empty());
+        Self { shape: *shape, leaning: facets.map(|facets| PosedFacets::new(set, facets)) }
     }
-    let pair = Pair::new(a, b);
-    dot(&direction, &pair.support(direction).vector) * pair.unit + (a.radius[1] + b.radius[1])
-}
 
-/// Returns the contacts of two shapes along a direction of length 1 from the first to the second.
-/// They are the places where the facing sides lie over each other and are at most `margin` apart.
-/// The list may be empty.
-pub(super) fn contacts_along(a: &Faceted<'_>, b: &Faceted<'_>, normal: [f64; 3], margin: f64) -> Contacts {
-    if a.swept.is_before(&b.swept) {
-        return overlapping(&Pair::new(&a.swept, &b.swept), [a, b], normal, margin);
+    /// Returns an upper bound on the radius, in world units.
+    pub(super) fn radius(&self) -> f64 {
+        self.shape.swept.radius[1]
     }
-    overlapping(&Pair::new(&b.swept, &a.swept), [b, a], normal.map(|x| 0.0 - x), margin).swapped()
-}
 
-/// Returns the contacts of two shapes along the normal of each facet of either, the least deep
-/// first. Normals along which nothing is at most `margin` apart are left out.
-pub(crate) fn contacts_along_facets(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Vec<Contacts> {
-    let pair = Pair::new(&a.swept, &b.swept);
-    let normals =
-        |set: &Posed<'_>, shape: &Faceted<'_>| shape.facets.map_or(Vec::new(), |facets| facet_normals(set, facets));
-    let opposite = normals(&pair.b, b).into_iter().map(|normal| normal.map(|x| 0.0 - x));
-    let normals = normals(&pair.a, a).into_iter().chain(opposite);
-    let mut found: Vec<Contacts> = normals.map(|normal| contacts_along(a, b, normal, margin)).collect();
-    found.retain(|found| !found.contacts.is_empty());
-    found.sort_by(|x, y| x.deepest().total_cmp(&y.deepest()));
-    found
-}
-
-fn overlapping(pair: &Pair<'_>, shapes: [&Faceted<'_>; 2], normal: [f64; 3], margin: f64) -> Contacts {
-    let (_, over) = facing_overlap(pair, shapes, &normal);
-    let mut contacts = measured(pair, shapes, &normal, over);
-    contacts.retain(|contact| contact.upper >= -margin);
-    Contacts { normal, contacts }
+    /// Returns the facets that lean towards a direction, the one that leans most first, or the one
+    /// part of the shape that faces it.
+    fn all_facing(&self, set: &Posed<'_>, direction: [f64; 3]) -> AllFacing<'_> {
+        match &self.leaning {
+            Some(facets) => facets.leaning(set, direction),
+            None => AllFacing::only(facing(set, self.shape.facets, direction)),
+        }
+    }
 }
 
 /// Returns the features that face each other along a direction, and the places where the facing
 /// parts lie over each other. Of several facing facets the first names the feature.
-fn facing_overlap(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3]) -> ([Feature; 2], Places) {
+fn facing_overlap(pair: &Pair<'_>, [a, b]: [&Side<'_>; 2], normal: &[f64; 3]) -> ([Feature; 2], Places) {
     let mut over = Over::none();
     if let (Core::Points([p]), Core::Points([q])) = (pair.a.core(), pair.b.core()) {
         // The points are always the deepest ones, so no parts need to be compared.
@@ -136,45 +123,38 @@ fn facing_overlap(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3])
     }
     let near = shadow_tolerance(pair, smaller_size(pair, [a, b]));
     let opposite = normal.map(|x| -x);
-    if !a.has_all_facets && !b.has_all_facets {
+    if a.leaning.is_none() && b.leaning.is_none() {
         // One part of each faces the other, as for almost all shapes, so no lists are needed.
-        let (part_a, part_b) = (facing(&pair.a, a.facets, *normal), facing(&pair.b, b.facets, opposite));
+        let part_a = facing(&pair.a, a.shape.facets, *normal);
+        let part_b = facing(&pair.b, b.shape.facets, opposite);
         let features = [part_a.feature(), part_b.feature()];
-        overlap(&[part_a], &[part_b], normal, near, &mut over);
+        overlap(&part_a, &part_b, normal, near, &mut over);
         return (features, over);
     }
-    let facing_a = all_facing(&pair.a, a, *normal);
-    let facing_b = all_facing(&pair.b, b, opposite);
-    overlap(&facing_a, &facing_b, normal, near, &mut over);
-    ([facing_a[0].feature(), facing_b[0].feature()], over)
-}
-
-/// Returns the facets that lean towards a direction, the one that leans most first, or the one part
-/// of the shape that faces it.
-fn all_facing(set: &Posed<'_>, shape: &Faceted<'_>, direction: [f64; 3]) -> Vec<Facing> {
-    match shape.facets {
-        Some(facets) if shape.has_all_facets => facing_facets(set, facets, direction),
-        facets => vec![facing(set, facets, direction)],
-    }
+    let facing_a = a.all_facing(&pair.a, *normal);
+    let facing_b = b.all_facing(&pair.b, opposite);
+    overlap_of_all(&facing_a, &facing_b, normal, near, &mut over);
+    ([facing_a.first.feature(), facing_b.first.feature()], over)
 }
 
 fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts {
     let pair = Pair::new(&a.swept, &b.swept);
-    let size = smaller_size(&pair, [a, b]);
+    let sides = [&Side::new(&pair.a, a), &Side::new(&pair.b, b)];
+    let size = smaller_size(&pair, sides);
     let depth = |effort| depth_in_order(&pair, &a.swept, &b.swept, effort);
     let mut found = depth(Effort::for_contact(&pair, size));
     if found.depth.upper - found.depth.lower > MAX_CONTACT_WIDTH * size * pair.unit {
         found = depth(Effort::ROUND_DEPTH);
     }
     let normal = found.depth.normal;
-    let (features, mut over) = facing_overlap(&pair, [a, b], &normal);
+    let (features, mut over) = facing_overlap(&pair, sides, &normal);
     let height = |over: &Over| dot(&normal, &over.points[0]) - dot(&normal, &over.points[1]);
     let witness = Over { points: found.core, features };
     let deepest = over.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
     if deepest.is_nan() || deepest < height(&witness) - MIN_WITNESS_EXCESS * size - pair.point_error() {
         over.push(witness);
     }
-    let mut contacts = measured(&pair, [a, b], &normal, over);
+    let mut contacts = measured(&pair, sides, &normal, over);
     if found.depth.upper == 0.0 {
         // The shapes are proved to reach no farther than to each other along the normal.
         for contact in &mut contacts {
@@ -186,23 +166,32 @@ fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts 
     Contacts { normal, contacts }
 }
 
+/// Returns the contacts along a given normal of length 1: the places where the facing sides lie over
+/// each other and are at most `margin` apart.
+pub(super) fn contacts_over(pair: &Pair<'_>, sides: [&Side<'_>; 2], normal: [f64; 3], margin: f64) -> Contacts {
+    let (_, over) = facing_overlap(pair, sides, &normal);
+    let mut contacts = measured(pair, sides, &normal, over);
+    contacts.retain(|contact| contact.upper >= -margin);
+    Contacts { normal, contacts }
+}
+
 /// Returns the size of the smaller one of two shapes, in the common unit: at most 1, and not so
 /// small that a point would have no tolerance at all.
-fn smaller_size(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2]) -> f64 {
+fn smaller_size(pair: &Pair<'_>, [a, b]: [&Side<'_>; 2]) -> f64 {
     const MIN_SIZE: f64 = 1.0 / (1 << 28) as f64;
-    let size = |set: &Posed<'_>, shape: &Faceted<'_>| set.reach() + shape.swept.radius[1] / pair.unit;
+    let size = |set: &Posed<'_>, side: &Side<'_>| set.reach() + side.shape.swept.radius[1] / pair.unit;
     size(&pair.a, a).min(size(&pair.b, b)).clamp(MIN_SIZE, 1.0)
 }
 
 /// Converts points over each other to contacts, the deepest first. Of several contacts in one
 /// place, or with the same features, only the deepest is kept.
-fn measured(pair: &Pair<'_>, [a, b]: [&Faceted<'_>; 2], normal: &[f64; 3], over: Places) -> Vec<Contact> {
+fn measured(pair: &Pair<'_>, [a, b]: [&Side<'_>; 2], normal: &[f64; 3], over: Places) -> Vec<Contact> {
     let height = |over: &Over| dot(normal, &over.points[0]) - dot(normal, &over.points[1]);
     let error = heights_error(pair);
     let near = shadow_tolerance(pair, smaller_size(pair, [a, b]));
     let mut sorted = over;
     sorted.sort_by(|x, y| height(y).total_cmp(&height(x)).then_with(|| rank(x).cmp(&rank(y))));
-    let (radius_a, radius_b) = (a.swept.radius, b.swept.radius);
+    let (radius_a, radius_b) = (a.shape.swept.radius, b.shape.swept.radius);
     let mut places = ShortList::<[f64; 3], 8>::new([0.0; 3]);
     let mut contacts = Vec::with_capacity(sorted.len());
     for over in &*sorted {

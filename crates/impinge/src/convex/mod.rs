@@ -18,6 +18,7 @@
 //! The errors are derived in docs/notes/proof.md, L20 to L22, L28, L29, L33 and L35. The tests are
 //! in `tests/it/shapes`, and the benchmark is `shapes` in `impinge-bench`.
 
+mod along;
 mod around;
 mod bounds;
 mod closed;
@@ -48,12 +49,13 @@ mod surface;
 mod surface_contacts;
 mod turned;
 
+pub(crate) use along::contacts_along_facets;
 pub(crate) use depth::{Depth, depth};
 pub(crate) use distance::{Coherence, nearness, nearness_from, parting, separation};
 pub(crate) use facets::Facets;
 pub(crate) use half_space::HalfSpace;
 pub(crate) use interval::Separation;
-pub(crate) use manifold::{Contact, Contacts, Faceted, contacts, contacts_along_facets};
+pub(crate) use manifold::{Contact, Contacts, Faceted, contacts};
 pub use overlap::Feature;
 pub(crate) use piece::{Body, Found, OrientedFace, Touched, contacts_of_bodies, pieces, unresolved};
 pub(crate) use posed::{Core, Swept, to_unit_entries, to_unit_length};

@@ -9,7 +9,7 @@
 //! Every point is a mean of corners with weights that are not negative. So it is in the core up to
 //! rounding, whatever the shadows look like.
 
-use super::facing::{Corner, Facing};
+use super::facing::{AllFacing, Bounds, Corner, Facing, bounds_of};
 use super::posed::Pair;
 use super::short_list::ShortList;
 use crate::math::vec3::{cross, dot, length, sub};
@@ -61,29 +61,55 @@ impl Over {
     }
 }
 
-/// Adds the places where facing polygons of two shapes lie over each other along a normal of length
-/// 1 to `found`. `near` is the tolerance of the shadows.
+/// Adds the places where two facing polygons lie over each other along a normal of length 1 to
+/// `found`. `near` is the tolerance of the shadows.
+pub(super) fn overlap(a: &Facing, b: &Facing, normal: &[f64; 3], near: f64, found: &mut Places) {
+    let axes = across(normal);
+    overlap_of_two(&Shadow::new(a, &axes, near), &Shadow::new(b, &axes, near), found);
+}
+
+/// Adds the places where any of the facing polygons of two shapes lie over each other to `found`,
+/// like [`overlap`].
 ///
 /// # Complexity
 /// O(n log n + k) for n polygons and k pairs whose shadows overlap along one axis.
-pub(super) fn overlap(a: &[Facing], b: &[Facing], normal: &[f64; 3], near: f64, found: &mut Places) {
+pub(super) fn overlap_of_all(a: &AllFacing<'_>, b: &AllFacing<'_>, normal: &[f64; 3], near: f64, found: &mut Places) {
     let axes = across(normal);
-    if let ([a], [b]) = (a, b) {
-        // As for almost all shapes, so no lists are needed.
-        return overlap_of_two(&Shadow::new(a, &axes, near), &Shadow::new(b, &axes, near), found);
+    let pairs = pairs_of_bounds(&a.bounds(&axes), &b.bounds(&axes), near);
+    let mut numbers: Vec<usize> = pairs.iter().map(|pair| pair[1]).collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    let parts: Vec<Facing> = numbers.iter().map(|&number| b.part(number)).collect();
+    let shadows: Vec<Shadow<'_>> = parts.iter().map(|part| Shadow::new(part, &axes, near)).collect();
+    for beside in pairs.chunk_by(|x, y| x[0] == y[0]) {
+        let part = a.part(beside[0][0]);
+        let shadow = Shadow::new(&part, &axes, near);
+        for other in beside.iter().filter_map(|pair| numbers.binary_search(&pair[1]).ok()) {
+            overlap_of_two(&shadow, &shadows[other], found);
+        }
     }
-    let [a, b] = [a, b].map(|all| all.iter().map(|one| Shadow::new(one, &axes, near)).collect::<Vec<_>>());
-    let mut by_left: Vec<usize> = (0..b.len()).collect();
-    by_left.sort_by(|&i, &j| b[i].bounds[0][0].total_cmp(&b[j].bounds[0][0]));
-    let widest = b.iter().map(|shadow| shadow.bounds[1][0] - shadow.bounds[0][0]).fold(0.0, f64::max);
-    for shadow in &a {
-        let [left, right] = [shadow.bounds[0][0] - widest - 4.0 * near, shadow.bounds[1][0] + 4.0 * near];
-        let first = by_left.partition_point(|&at| b[at].bounds[0][0] < left);
-        let beside = by_left[first..].iter().take_while(|&&at| b[at].bounds[0][0] <= right);
-        let mut others: Vec<usize> = beside.copied().filter(|&at| shadow.may_overlap(&b[at])).collect();
-        others.sort_unstable();
-        others.into_iter().for_each(|at| overlap_of_two(shadow, &b[at], found));
+}
+
+/// Returns the pairs of rectangles of two lists that are not clearly apart, in ascending order.
+fn pairs_of_bounds(a: &[Bounds], b: &[Bounds], near: f64) -> Vec<[usize; 2]> {
+    // Places that count as over a polygon are at most twice the tolerance outside of it.
+    let reach = 4.0 * near;
+    let is_apart = |x: &Bounds, y: &Bounds| (0..2).any(|k| f64::max(y[0][k] - x[1][k], x[0][k] - y[1][k]) > reach);
+    let [all_a, all_b] = [a, b].map(|list| bounds_of(list.iter().flatten().copied()));
+    let of_a = (0..a.len()).filter(|&at| !is_apart(&a[at], &all_b));
+    let mut of_b: Vec<usize> = (0..b.len()).filter(|&at| !is_apart(&b[at], &all_a)).collect();
+    of_b.sort_by(|&i, &j| b[i][0][0].total_cmp(&b[j][0][0]));
+    let widest = of_b.iter().map(|&at| b[at][1][0] - b[at][0][0]).fold(0.0, f64::max);
+    let mut pairs = Vec::new();
+    for at in of_a {
+        let [left, right] = [a[at][0][0] - widest - reach, a[at][1][0] + reach];
+        let first = of_b.partition_point(|&other| b[other][0][0] < left);
+        let beside = of_b[first..].iter().take_while(|&&other| b[other][0][0] <= right);
+        let start = pairs.len();
+        pairs.extend(beside.filter(|&&other| !is_apart(&a[at], &b[other])).map(|&other| [at, other]));
+        pairs[start..].sort_unstable();
     }
+    pairs
 }
 
 fn overlap_of_two(a: &Shadow<'_>, b: &Shadow<'_>, found: &mut Places) {
@@ -124,8 +150,6 @@ impl Facing {
 struct Shadow<'f> {
     facing: &'f Facing,
     at: ShortList<[f64; 2], 8>,
-    /// Least and greatest coordinates of the corners.
-    bounds: [[f64; 2]; 2],
     /// 1 if the corners turn left, -1 if they turn right.
     turn: f64,
     /// Distance up to which places count as one.
@@ -136,23 +160,10 @@ impl<'f> Shadow<'f> {
     fn new(facing: &'f Facing, [x, y]: &[[f64; 3]; 2], near: f64) -> Self {
         let mut at = ShortList::new([0.0; 2]);
         at.extend(facing.corners.iter().map(|corner| [dot(x, &corner.point), dot(y, &corner.point)]));
-        let end = |pick: fn(f64, f64) -> f64, start: f64| {
-            std::array::from_fn(|k| at.iter().fold(start, |end, place: &[f64; 2]| pick(end, place[k])))
-        };
-        let bounds = [end(f64::min, f64::INFINITY), end(f64::max, f64::NEG_INFINITY)];
-        let mut shadow = Self { facing, at, bounds, turn: 0.0, near };
+        let mut shadow = Self { facing, at, turn: 0.0, near };
         let doubled_area: f64 = shadow.edges().map(|[from, to]| wedge(shadow.at[from], shadow.at[to])).sum();
         shadow.turn = doubled_area.signum();
         shadow
-    }
-
-    /// Reports whether the bounds of two shadows are not clearly apart. Places that count as over a
-    /// polygon are at most twice the tolerance outside of it.
-    fn may_overlap(&self, other: &Self) -> bool {
-        (0..2).all(|k| {
-            let gap = f64::max(other.bounds[0][k] - self.bounds[1][k], self.bounds[0][k] - other.bounds[1][k]);
-            gap.is_nan() || gap <= 4.0 * self.near
-        })
     }
 
     /// Returns the point of the polygon over a place of the plane, or `None` if there is none.
@@ -255,4 +266,55 @@ pub(super) fn across(normal: &[f64; 3]) -> [[f64; 3]; 2] {
 /// Reports whether two points are one place up to the tolerance of the shadows.
 pub(super) fn is_one_place(p: &[f64; 3], q: &[f64; 3], near: f64) -> bool {
     sub(p, q).iter().all(|x| x.abs() <= 16.0 * near)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::facets::Facets;
+    use super::super::facing::PosedFacets;
+    use super::super::posed::{Core, Swept, to_unit_length};
+    use super::*;
+    use crate::hull::Hull;
+    use crate::math::Pose;
+    use impinge_testkit::generate::Rng;
+
+    /// Returns a round polytope with corners on a grid, so that edges of two lie over each other.
+    fn round(rng: &mut Rng, radius: f64) -> Hull {
+        let mut point = || to_unit_length([0; 3].map(|_: i32| rng.unit() - 0.5)).map(|x| (x * radius).round());
+        let points: Vec<[f64; 3]> = (0..300).map(|_| point()).collect();
+        Hull::new(&points).expect("a hull")
+    }
+
+    /// Shapes on a grid, along directions of the grid, mirrored or not.
+    #[test]
+    fn lists_of_polygons_have_the_places_of_all_their_pairs() {
+        let mut rng = Rng::new(574);
+        let (mut places, mut many, mut empty) = (0, 0, 0);
+        for case in 0..200 {
+            let hulls = [round(&mut rng, 12.0), round(&mut rng, 10.0)];
+            let facets = hulls.each_ref().map(Facets::of_hull);
+            let sign = if case % 2 == 0 { 1.0 } else { -1.0 };
+            let poses = [0, 1].map(|side| {
+                let offset = [0; 3].map(|_: i32| rng.integer(-4, 4) as f64 * f64::from(side));
+                Pose::new([[sign, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], offset).expect("a pose")
+            });
+            let [a, b] =
+                [0, 1].map(|side| Swept { core: Core::Hull(&hulls[side]), pose: &poses[side], radius: [0.0; 2] });
+            let pair = Pair::new(&a, &b);
+            let normal = to_unit_length([0; 3].map(|_: i32| rng.integer(-3, 3) as f64));
+            let (posed_a, posed_b) = (PosedFacets::new(&pair.a, &facets[0]), PosedFacets::new(&pair.b, &facets[1]));
+            let all_a = posed_a.leaning(&pair.a, normal);
+            let all_b = posed_b.leaning(&pair.b, normal.map(|x| -x));
+            let near = shadow_tolerance(&pair, 1.0);
+            let (mut found, mut expected) = (Over::none(), Over::none());
+            overlap_of_all(&all_a, &all_b, &normal, near, &mut found);
+            let [parts_a, parts_b] = [&all_a, &all_b].map(AllFacing::parts);
+            parts_a.iter().for_each(|a| parts_b.iter().for_each(|b| overlap(a, b, &normal, near, &mut expected)));
+            assert_eq!(found[..], expected[..], "{case}");
+            places += found.len();
+            many += usize::from(parts_a.len() > 2 && parts_b.len() > 2);
+            empty += usize::from(found.is_empty());
+        }
+        assert!(places > 2_000 && many > 50 && empty > 20, "{places} {many} {empty}");
+    }
 }

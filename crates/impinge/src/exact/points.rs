@@ -6,6 +6,7 @@
 //! triangle decisions take over. The proof is docs/notes/proof.md, L10, and the tests are below.
 
 use super::corners::PairCorners;
+use super::double_double::{self, DoubleDouble};
 use super::filter::{ROUNDING, sign2d};
 use super::placement::{Placement, world_coordinate};
 use crate::math::Pose;
@@ -153,8 +154,18 @@ pub(crate) fn compare_along(direction: &[f64; 3], p: &[f64; 3], q: &[f64; 3]) ->
     } else if (0..3).all(|k| direction[k] == 0.0 || difference[k] == 0.0) {
         Zero
     } else {
-        compare_along_exactly(direction, p, q)
+        compare_along_closely(direction, p, q).unwrap_or_else(|| compare_along_exactly(direction, p, q))
     }
+}
+
+/// Compares two points along a direction with twice the digits of a float, or returns `None` if
+/// they do not decide. The corners of a facet along its rounded normal differ by that little.
+#[cold]
+fn compare_along_closely(direction: &[f64; 3], p: &[f64; 3], q: &[f64; 3]) -> Option<Sign> {
+    let [direction, p, q] = [direction, p, q].map(|vector| vector.map(DoubleDouble::of));
+    let value = double_double::dot(&direction, &double_double::difference(&p, &q));
+    let is_negative = || value.negated().is_positive().then_some(Negative);
+    value.is_positive().then_some(Positive).or_else(is_negative)
 }
 
 #[cold]
@@ -330,7 +341,7 @@ mod tests {
     #[test]
     fn comparisons_along_a_direction_are_exact() {
         let mut random = Random(2);
-        let mut signs = [0; 3];
+        let (mut signs, mut close) = ([0; 3], 0);
         for case in 0..30_000 {
             let (direction, p) = (random.point(case / 7), random.point(case));
             let mut q = if case % 3 == 0 { random.point(case) } else { p };
@@ -344,9 +355,13 @@ mod tests {
             }
             let truth = along(&direction, &p).cmp(&along(&direction, &q));
             assert_eq!(compare_along(&direction, &p, &q), truth.into(), "{direction:?} {p:?} {q:?}");
+            if let Some(sign) = compare_along_closely(&direction, &p, &q) {
+                assert_eq!(sign, truth.into(), "{direction:?} {p:?} {q:?}");
+                close += 1;
+            }
             signs[(truth as i8 + 1) as usize] += 1;
         }
-        assert!(signs.iter().all(|&count| count > 3000), "{signs:?}");
+        assert!(signs.iter().all(|&count| count > 3000) && close > 10_000, "{signs:?} {close}");
         assert_eq!(compare_along(&[1e308, 1e-310, 0.0], &[1e30, 1.0, 0.0], &[1e30, 2.0, 0.0]), Negative);
     }
 

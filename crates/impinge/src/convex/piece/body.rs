@@ -10,7 +10,8 @@
 use super::polytope::{Polytope, named};
 use super::touched::Touched;
 use super::{ALL_CORNERS, Connected, OrientedFace, Piece};
-use crate::convex::manifold::{Contacts, Faceted, contacts, contacts_along, depth_along};
+use crate::convex::along::Along;
+use crate::convex::manifold::{Contacts, Faceted, contacts};
 use crate::convex::posed::to_unit_length;
 use crate::math::Pose;
 use crate::math::vec3::{cross, dot, length, sub};
@@ -202,12 +203,12 @@ fn by_shortest_way(a: &mut Body<'_>, b: &mut Body<'_>, margin: f64) -> Option<Co
 /// body has the shortest way out, of those along which the bodies lie over each other.
 fn by_face_normals(a: &Body<'_>, b: &Body<'_>, margin: f64) -> Option<Contacts> {
     let opposite = b.face_normals().into_iter().map(|normal| normal.map(|x| 0.0 - x));
-    let (a_set, b_set) = (a.faceted(), b.faceted());
-    let depth = |normal| (depth_along(&a_set.swept, &b_set.swept, normal), normal);
+    let along = Along::new(&a.faceted(), &b.faceted());
+    let depth = |normal| (along.depth(normal), normal);
     let mut ways: Vec<(f64, [f64; 3])> = a.face_normals().into_iter().chain(opposite).map(depth).collect();
     ways.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.partial_cmp(&y.1).unwrap_or(std::cmp::Ordering::Equal)));
     // Bodies that are apart along one normal have no contact along another.
     let is_apart = ways.first().is_some_and(|(depth, _)| *depth < -margin);
     let found = ways.into_iter().filter(|_| !is_apart);
-    found.map(|(_, normal)| contacts_along(&a_set, &b_set, normal, margin)).find(|found| !found.contacts.is_empty())
+    found.map(|(_, normal)| along.contacts(normal, margin)).find(|found| !found.contacts.is_empty())
 }

@@ -87,8 +87,9 @@ fn merge(merged: &mut Vec<Contacts>, contacts: Contacts) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::convex::along::Along;
     use crate::convex::facets::Facets;
-    use crate::convex::manifold::{Faceted, contacts_along};
+    use crate::convex::manifold::Faceted;
     use crate::convex::posed::Core;
 
     const UP: [f64; 3] = [0.0, 0.0, 1.0];
@@ -111,7 +112,7 @@ mod tests {
         }
         let moving = bodies.split_off(boxes.len());
         let found = along.iter().map(|&(number, normal)| Found {
-            contacts: contacts_along(&bodies[number].faceted(), &moving[0].faceted(), normal, 0.0),
+            contacts: Along::new(&bodies[number].faceted(), &moving[0].faceted()).contacts(normal, 0.0),
             bodies: [number, 0],
         });
         unresolved(found.collect(), [&bodies, &moving], 1e-9).into_iter().map(|contacts| contacts.normal).collect()
