@@ -20,6 +20,7 @@
 
 mod along;
 mod around;
+mod beside;
 mod bounds;
 mod closed;
 mod core_depth;

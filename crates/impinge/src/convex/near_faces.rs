@@ -11,10 +11,11 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow::{self, Continue};
 
+use super::beside::{Beside, ends_of};
 use super::interval::below;
 use super::piece::{OrientedFace, Seeds};
 use super::posed::{Pair, to_unit_length};
-use super::surface::{Beside, Surface, ends_of};
+use super::surface::Surface;
 use crate::math::vec3::{Vector, cross, dot, length, sub};
 use crate::mesh::FaceSearch;
 use crate::primitive::closest_on_triangle;
@@ -57,7 +58,7 @@ struct Touching<'q> {
 
 impl FaceSearch for Touching<'_> {
     fn bound(&self, center: &Vector, half_extents: &Vector) -> f64 {
-        self.beside.bound(center, half_extents)
+        self.beside.bound(center, half_extents, self.margin)
     }
 
     fn cut(&self) -> f64 {
@@ -68,7 +69,7 @@ impl FaceSearch for Touching<'_> {
         let pair = self.beside.pair();
         let corners = corners_of(self.surface, pair, face);
         let ends = ends_of(&corners);
-        if self.beside.gap_of_points(&corners, &ends) > self.margin {
+        if self.beside.gap_of_points(&corners, &ends, self.margin) > self.margin {
             return Continue(());
         }
         if let Some(normal) = normal_of(self.surface, &corners) {

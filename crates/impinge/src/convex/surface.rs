@@ -8,15 +8,15 @@
 //!
 //! The proof is docs/notes/proof.md, L31, and the tests are in `tests/it/shapes/surfaces.rs`.
 
-use std::cell::Cell;
 use std::ops::ControlFlow::{self, Break, Continue};
 
+use super::beside::{Beside, ends_of};
 use super::distance::{Coherence, nearness_from, separation_within};
-use super::interval::{Separation, above, below};
-use super::posed::{Core, Pair, Swept, to_unit_length};
+use super::interval::Separation;
+use super::posed::{Core, Pair, Swept};
 use crate::exact::{Placement, PosedPoint, Spot};
 use crate::math::Pose;
-use crate::math::vec3::{dot, length, sub};
+use crate::math::vec3::sub;
 use crate::mesh::{Containment, FaceSearch, Faces, Mesh};
 use crate::volume::Proximity;
 
@@ -96,6 +96,14 @@ impl<'a, F: Faces> Surface<'a, F> {
         best
     }
 
+    /// Returns a lower bound of the distance of a convex set, in world units. It is at least 7/8 of
+    /// the distance, or of `within` if the set is farther away. It is zero if they intersect.
+    pub(crate) fn least_distance(&self, shape: &Swept<'_>, within: f64) -> f64 {
+        let mut search = Bounding { surface: self, shape, least: within, known: Coherence::default() };
+        self.search(shape, &mut search);
+        if search.least > 0.0 && self.containment(shape).is_contained() { 0.0 } else { search.least }
+    }
+
     /// Returns the position of a point of the set's core relative to the mesh, if the mesh is
     /// solid, otherwise `Outside`. If no face intersects the core, the answer holds for the whole
     /// core.
@@ -134,104 +142,6 @@ pub(super) fn corners_of_box(bounds: [[f64; 3]; 2]) -> [[f64; 3]; 8] {
     std::array::from_fn(|i| std::array::from_fn(|k| bounds[i >> k & 1][k]))
 }
 
-/// A convex set in the common frame of it and a mesh, prepared for bounds on the mesh's boxes.
-pub(super) struct Beside<'p> {
-    pair: &'p Pair<'p>,
-    /// Least and greatest coordinate of the set's core on each axis, in the common frame.
-    bounds: [[f64; 2]; 3],
-    radius: f64,
-    error: f64,
-    /// A direction of length 1 from the mesh to the set, with the set's least height along it.
-    plane: Cell<Option<([f64; 3], f64)>>,
-}
-
-impl<'p> Beside<'p> {
-    pub(super) fn new(pair: &'p Pair<'p>, radius: f64) -> Self {
-        let radius = above(radius / pair.unit);
-        let error = pair.point_error();
-        let bounds = std::array::from_fn(|k| {
-            let end = |sign: f64| {
-                let direction = std::array::from_fn(|j| if j == k { sign } else { 0.0 });
-                sign * (pair.b.support(direction).point[k] * sign + pair.height_error(direction))
-            };
-            [end(-1.0), end(1.0)]
-        });
-        Self { pair, bounds, radius, error, plane: Cell::new(None) }
-    }
-
-    /// Adds the gap along a direction of the world, from the mesh to the set, to all later bounds.
-    fn look_along(&self, direction: [f64; 3]) {
-        let direction = to_unit_length(direction);
-        let against = direction.map(|x| -x);
-        let lowest = dot(&direction, &self.pair.b.support(against).point);
-        self.plane.set(Some((direction, lowest - self.pair.height_error(against) - self.radius)));
-    }
-
-    /// Returns a lower bound on the distance, in world units, between the set and a box of the
-    /// mesh's frame. It is negative if the two boxes overlap, and the more so the deeper they do: a
-    /// face in the middle of the set is found before those at its border.
-    pub(super) fn bound(&self, center: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
-        let at = self.pair.a.spot(*center).point;
-        let linear = self.pair.a.pose().linear();
-        let scale = 1.0 / self.pair.unit;
-        let gaps: [f64; 3] = std::array::from_fn(|k| {
-            let reach = (0..3).map(|j| linear[k][j].abs() * half_extents[j]).sum::<f64>() * scale;
-            f64::max(self.bounds[k][0] - (at[k] + reach), at[k] - reach - self.bounds[k][1])
-        });
-        let mut gap = self.gap_of_boxes(&gaps);
-        if let Some((direction, lowest)) = self.plane.get() {
-            let reach: f64 = (0..3)
-                .map(|j| (0..3).map(|k| linear[k][j] * direction[k]).sum::<f64>().abs() * half_extents[j])
-                .sum::<f64>()
-                * scale;
-            gap = gap.max(lowest - (dot(&direction, &at) + reach));
-        }
-        (below(gap) - 8.0 * self.error) * self.pair.unit
-    }
-
-    /// Returns the distance of the set from a box that has these gaps to the core's box along the
-    /// axes. It is negative if the boxes overlap.
-    fn gap_of_boxes(&self, gaps: &[f64; 3]) -> f64 {
-        let largest = gaps[0].max(gaps[1]).max(gaps[2]);
-        let apart = if largest > 0.0 { length(&gaps.map(|gap| gap.max(0.0))) } else { largest };
-        below(apart) - self.radius
-    }
-
-    /// Returns the center of the set's box, in the common frame.
-    pub(super) fn center(&self) -> [f64; 3] {
-        self.bounds.map(|[least, greatest]| 0.5 * least + 0.5 * greatest)
-    }
-
-    /// Returns the two sets in their common frame.
-    pub(super) fn pair(&self) -> &'p Pair<'p> {
-        self.pair
-    }
-
-    /// Returns the radius of the set, in the common unit.
-    pub(super) fn radius(&self) -> f64 {
-        self.radius
-    }
-
-    /// Returns a lower bound on the distance, in world units, between the set and the hull of some
-    /// points of the common frame. `ends` are their least and greatest coordinates on each axis.
-    pub(super) fn gap_of_points(&self, points: &[[f64; 3]], ends: &[[f64; 2]; 3]) -> f64 {
-        let gap = |k: usize| f64::max(self.bounds[k][0] - ends[k][1], ends[k][0] - self.bounds[k][1]);
-        let mut gap = self.gap_of_boxes(&[gap(0), gap(1), gap(2)]);
-        if let Some((direction, lowest)) = self.plane.get() {
-            let height = points.iter().fold(f64::NEG_INFINITY, |height, point| height.max(dot(&direction, point)));
-            gap = gap.max(lowest - height);
-        }
-        (below(gap) - 8.0 * self.error) * self.pair.unit
-    }
-}
-
-/// Returns the least and the greatest coordinate of three points on each axis.
-#[inline]
-pub(super) fn ends_of([p, q, r]: &[[f64; 3]; 3]) -> [[f64; 2]; 3] {
-    let ends = |k: usize| [p[k].min(q[k]).min(r[k]), p[k].max(q[k]).max(r[k])];
-    [ends(0), ends(1), ends(2)]
-}
-
 /// A query about the faces near a set.
 trait Search {
     fn cut(&self) -> f64;
@@ -249,7 +159,7 @@ struct Bounded<'p, 's, S, F> {
 
 impl<S: Search, F: Faces> FaceSearch for Bounded<'_, '_, S, F> {
     fn bound(&self, center: &[f64; 3], half_extents: &[f64; 3]) -> f64 {
-        self.beside.bound(center, half_extents)
+        self.beside.bound(center, half_extents, self.search.cut())
     }
 
     fn cut(&self) -> f64 {
@@ -258,8 +168,9 @@ impl<S: Search, F: Faces> FaceSearch for Bounded<'_, '_, S, F> {
 
     fn visit(&mut self, face: u32) -> ControlFlow<()> {
         let corners = self.mesh.corners(face);
-        let points = corners.map(|corner| self.beside.pair.a.spot(corner).point);
-        if self.beside.gap_of_points(&points, &ends_of(&points)) > self.search.cut() {
+        let points = corners.map(|corner| self.beside.pair().a.spot(corner).point);
+        let cut = self.search.cut();
+        if self.beside.gap_of_points(&points, &ends_of(&points), cut) > cut {
             return Continue(());
         }
         match self.search.visit(face, &corners) {
@@ -353,5 +264,32 @@ impl<F: Faces> Search for Separating<'_, '_, F> {
             self.best.proximity = Proximity::Undecided;
         }
         Continue(self.direction.filter(|_| is_better))
+    }
+}
+
+/// A search for a lower bound of the distance. Faces that are only a little nearer than others are
+/// left out.
+struct Bounding<'a, 'q, F> {
+    surface: &'q Surface<'a, F>,
+    shape: &'q Swept<'q>,
+    least: f64,
+    known: Coherence,
+}
+
+impl<F: Faces> Search for Bounding<'_, '_, F> {
+    fn cut(&self) -> f64 {
+        self.least
+    }
+
+    fn visit(&mut self, _: u32, corners: &[[f64; 3]; 3]) -> ControlFlow<(), Option<[f64; 3]>> {
+        /// Part of a face's distance within which other faces are looked for.
+        const SHARE: f64 = 7.0 / 8.0;
+        let face = self.surface.face(corners);
+        let Some(found) = separation_within(&face, self.shape, self.least, &mut self.known) else {
+            return Continue(None);
+        };
+        self.least = self.least.min(SHARE * found.lower);
+        let between = sub(&found.points[1], &found.points[0]);
+        if self.least > 0.0 { Continue((between != [0.0; 3]).then_some(between)) } else { Break(()) }
     }
 }

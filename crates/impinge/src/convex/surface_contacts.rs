@@ -12,13 +12,14 @@
 //!
 //! The tests are in `tests/it/shapes/mesh_contacts.rs` and `tests/it/shapes/surfaces.rs`.
 
+use super::beside::Beside;
 use super::distance::nearness;
 use super::manifold::{Contact, Contacts, Faceted, contacts};
 use super::near_faces::NearestFirst;
 use super::overlap::Feature;
 use super::piece::{Body, Found, Seeds, Touched, contacts_of_bodies, pieces, unresolved};
 use super::posed::{Core, Pair, Swept};
-use super::surface::{Beside, Surface, corners_of_box};
+use super::surface::{Surface, corners_of_box};
 use super::{Facets, HalfSpace};
 use crate::budget::Budget;
 use crate::math::vec3::{length, sub};

@@ -279,7 +279,7 @@ impl<'s> Scan<'s> {
                 break;
             }
             if let Some(limbs) = limbs.filter(|_| wish.is_exact) {
-                *distance = distance.max(self.obstacles.least_distance(limbs, *at));
+                *distance = distance.max(self.obstacles.least_distance(limbs, *at, least));
             }
             least = least.min(*distance);
         }

@@ -101,10 +101,19 @@ impl Obstacles {
         limbs.iter().any(|limb| may_reach(limb, &self.parts[at].1, clearance))
     }
 
-    /// Returns a lower bound of the distance of an obstacle and a link that is in some capsules.
-    pub(super) fn least_distance(&self, (limbs, slack): (&[Limb], f64), at: usize) -> f64 {
-        let distances = limbs.iter().map(|limb| least_distance(limb, &self.parts[at].1));
-        (distances.fold(f64::INFINITY, f64::min) - slack).max(0.0)
+    /// Returns a lower bound of the distance of an obstacle and a link that is in some capsules: at
+    /// least 7/8 of the distance of the nearest capsule, or of `within` if all are farther away.
+    pub(super) fn least_distance(&self, (limbs, slack): (&[Limb], f64), at: usize, within: f64) -> f64 {
+        let placed = &self.parts[at].1;
+        let gap = |limb: &Limb| placed.bounds().map_or(0.0, |bounds| gap_of_box(limb, bounds));
+        let nearest = limbs.iter().min_by(|a, b| gap(a).total_cmp(&gap(b)));
+        let mut least = clearance_with(within, slack);
+        for limb in nearest.into_iter().chain(limbs) {
+            if gap(limb) < least {
+                least = least_distance(limb, placed, least);
+            }
+        }
+        (least - slack).max(0.0)
     }
 
     /// Reports whether an obstacle is compared with a link.
@@ -194,18 +203,18 @@ fn may_reach(limb: &Limb, placed: &PlacedLink, clearance: f64) -> bool {
     })
 }
 
-/// Returns a lower bound of the distance of a capsule and an obstacle. It is zero if they may
-/// intersect.
-fn least_distance(limb: &Limb, placed: &PlacedLink) -> f64 {
+/// Returns a lower bound of the distance of a capsule and an obstacle: at least 7/8 of it, or of
+/// `within` if they are farther apart. It is zero if they may intersect.
+fn least_distance(limb: &Limb, placed: &PlacedLink, within: f64) -> f64 {
     let (PlacedLink::At(shape), Some(capsule)) = (placed, capsule_of(limb, 0.0)) else { return 0.0 };
-    let distances = shape.parts().iter().map(|part| match part.form() {
+    let near = shape.parts_near(Some(capsule.world_bounds()), within);
+    near.into_iter().fold(within, |least, part| match shape.parts()[part as usize].form() {
         Form::Surface(surface) if is_open_solid(&surface) => 0.0,
-        Form::Surface(surface) => surface.separation(&capsule).lower,
-        Form::Field(field) => field.separation(&capsule).lower,
-        Form::Convex(set) => convex::separation(&capsule, &set).lower,
-        Form::HalfSpace(plane) => plane.separation(&capsule).lower,
-    });
-    distances.fold(f64::INFINITY, f64::min)
+        Form::Surface(surface) => surface.least_distance(&capsule, least),
+        Form::Field(field) => field.least_distance(&capsule, least),
+        Form::Convex(set) => least.min(convex::separation(&capsule, &set).lower),
+        Form::HalfSpace(plane) => least.min(plane.separation(&capsule).lower),
+    })
 }
 
 /// Returns a capsule as a convex set, or `None` if it is too far away or too large.
