@@ -166,8 +166,8 @@ fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts 
     Contacts { normal, contacts }
 }
 
-/// Returns the contacts along a given normal of length 1: the places where the facing sides lie over
-/// each other and are at most `margin` apart.
+/// Returns the contacts along a given normal of length 1: the places where the facing sides lie
+/// over each other and are at most `margin` apart.
 pub(super) fn contacts_over(pair: &Pair<'_>, sides: [&Side<'_>; 2], normal: [f64; 3], margin: f64) -> Contacts {
     let (_, over) = facing_overlap(pair, sides, &normal);
     let mut contacts = measured(pair, sides, &normal, over);

@@ -12,9 +12,12 @@
 //!
 //! The proof is docs/notes/proof.md, L8a.
 
-use super::points::{MIN_SPLIT_PRODUCT, product_error, two_sum};
 use crate::math::Pose;
 use crate::math::relative::{INFLATE, UNDERFLOW, UNIT_ROUNDOFF};
+
+/// Smallest magnitude of a product whose rounding error is known to be a float: 2^-900. The error
+/// of a much smaller product could underflow.
+pub(super) const MIN_SPLIT_PRODUCT: f64 = f64::from_bits((1023 - 900) << 52);
 
 /// Largest magnitude of factors and products that are split without error: 2^900. The splitting of
 /// Dekker overflows for much larger numbers.
@@ -187,6 +190,28 @@ pub(crate) fn cross(u: &[DoubleDouble; 3], v: &[DoubleDouble; 3]) -> [DoubleDoub
 
 pub(crate) fn dot(u: &[DoubleDouble; 3], v: &[DoubleDouble; 3]) -> DoubleDouble {
     u[0].times(&v[0]).plus(&u[1].times(&v[1])).plus(&u[2].times(&v[2]))
+}
+
+/// Returns the sum of two floats and its rounding error, which is a float (Knuth).
+#[inline]
+pub(super) fn two_sum(x: f64, y: f64) -> (f64, f64) {
+    let sum = x + y;
+    let y_part = sum - x;
+    (sum, (x - (sum - y_part)) + (y - y_part))
+}
+
+/// Returns the exact product of two floats minus `product`, their rounded product (Dekker's
+/// splitting).
+#[inline]
+pub(super) fn product_error(x: f64, y: f64, product: f64) -> f64 {
+    const SPLITTER: f64 = ((1_u64 << 27) + 1) as f64;
+    let split = |x: f64| {
+        let wide = SPLITTER * x;
+        let high = wide - (wide - x);
+        (high, x - high)
+    };
+    let ((x_high, x_low), (y_high, y_low)) = (split(x), split(y));
+    ((x_high * y_high - product) + x_high * y_low + x_low * y_high) + x_low * y_low
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 //! triangle decisions take over. The proof is docs/notes/proof.md, L10, and the tests are below.
 
 use super::corners::PairCorners;
-use super::double_double::{self, DoubleDouble};
+use super::double_double::{self, DoubleDouble, MIN_SPLIT_PRODUCT, product_error, two_sum};
 use super::filter::{ROUNDING, sign2d};
 use super::placement::{Placement, world_coordinate};
 use crate::math::Pose;
@@ -175,10 +175,6 @@ fn compare_along_exactly(direction: &[f64; 3], p: &[f64; 3], q: &[f64; 3]) -> Si
     dyadic::dot(&direction, &difference).sign()
 }
 
-/// Smallest magnitude of a product whose rounding error is known to be a float: 2^-900. The error
-/// of a much smaller product could underflow.
-pub(super) const MIN_SPLIT_PRODUCT: f64 = f64::from_bits((1023 - 900) << 52);
-
 /// Returns the greatest float that does not exceed coordinate `axis` of the image of a point, in
 /// the world frame.
 ///
@@ -242,28 +238,6 @@ fn rounded_down(row: &[f64; 3], translation: f64, point: &[f64; 3]) -> Option<f6
     } else {
         None
     }
-}
-
-/// Returns the sum of two floats and its rounding error, which is a float (Knuth).
-#[inline]
-pub(super) fn two_sum(x: f64, y: f64) -> (f64, f64) {
-    let sum = x + y;
-    let y_part = sum - x;
-    (sum, (x - (sum - y_part)) + (y - y_part))
-}
-
-/// Returns the exact product of two floats minus `product`, their rounded product (Dekker's
-/// splitting).
-#[inline]
-pub(super) fn product_error(x: f64, y: f64, product: f64) -> f64 {
-    const SPLITTER: f64 = ((1_u64 << 27) + 1) as f64;
-    let split = |x: f64| {
-        let wide = SPLITTER * x;
-        let high = wide - (wide - x);
-        (high, x - high)
-    };
-    let ((x_high, x_low), (y_high, y_low)) = (split(x), split(y));
-    ((x_high * y_high - product) + x_high * y_low + x_low * y_high) + x_low * y_low
 }
 
 #[cfg(test)]

@@ -306,4 +306,51 @@ mod tests {
         }
         assert!(near > 400 && apart > 400 && of_boxes > 100, "{near} {apart} {of_boxes}");
     }
+
+    /// Capsules on a half-integer grid, which touch faces and are inside of solids.
+    #[test]
+    fn least_distances_are_within_an_eighth_of_those_of_queries() {
+        let block = mesh(cuboid([-2.0; 3], [2.0; 3]));
+        let waves: Vec<f32> = (0..81_i16).map(|at| f32::from(at * at % 7) * 0.25).collect();
+        let field = crate::HeightField::new(9, 9, [0.5, 0.5], waves).expect("a field");
+        let balls = [-2.0, 0.0, 2.0].map(|x| {
+            (Shape::sphere([0.0; 3], 0.25).expect("a ball"), Pose::from_translation([x, 1.0, 0.0]).expect("a pose"))
+        });
+        let shapes = [
+            Shape::from(&block),
+            Shape::from(block.solid()),
+            Shape::compound(&balls).expect("a compound"),
+            Shape::half_space([0.0, 0.0, 1.0], -3.0).expect("a half-space"),
+            Shape::from(&field),
+        ];
+        let mut scene = Scene::new();
+        for (number, shape) in shapes.iter().enumerate() {
+            scene.add(number.to_string(), shape.clone(), Pose::IDENTITY).expect("a part");
+        }
+        let obstacles = Obstacles::new(Some(&scene), &[]);
+        let mut rng = Rng::new(57);
+        let (mut zero, mut near, mut beyond) = (0, 0, 0);
+        for round in 0..400 {
+            let limbs: Vec<Limb> = (0..1 + round % 3)
+                .map(|_| Limb { ends: [[0; 3]; 2].map(|x| x.map(|_| 0.5 * rng.integer(-8, 8) as f64)), radius: 0.25 })
+                .collect();
+            let within = [0.25, 1.0, 4.0, f64::INFINITY][round % 4];
+            for (at, part) in scene.parts().enumerate() {
+                let obstacle = scene.shape(part).at(Pose::IDENTITY).expect("a place");
+                let distances = limbs.iter().map(|limb| {
+                    let capsule = Shape::capsule(limb.ends[0], limb.ends[1], limb.radius).expect("a capsule");
+                    let found = query::distance(capsule.at(Pose::IDENTITY).expect("a place"), &obstacle);
+                    [found.lower, found.upper]
+                });
+                let [lower, upper] = distances.fold([f64::INFINITY; 2], |a, b| [a[0].min(b[0]), a[1].min(b[1])]);
+                let least = obstacles.least_distance((&limbs, 0.0), at, within);
+                assert!(least <= upper, "part {at}: {least} above {upper}, {limbs:?}");
+                assert!(least >= 0.875 * lower.min(within) * (1.0 - 1e-12), "part {at}: {least}, {lower}, {limbs:?}");
+                zero += u32::from(least == 0.0);
+                near += u32::from(least > 0.0 && lower <= within);
+                beyond += u32::from(lower > within);
+            }
+        }
+        assert!(zero > 200 && near > 200 && beyond > 200, "{zero} {near} {beyond}");
+    }
 }

@@ -14,7 +14,7 @@ use super::carried_boxes::{CarriedBoxes, carried_boxes};
 use super::direction_bounds::{DirectionBounds, Reach, Reached};
 use super::frontier::{Frontier, NO_ENTRY};
 use super::leaf_pair::{LeafCaches, Progress, process_leaves};
-use super::line_bound::LineBound;
+use super::line_bound::{LineBound, Slab};
 use super::metric::Metric;
 use super::relative_frame::RelativeFrame;
 use super::scene::{Nearest, Scene};
@@ -29,8 +29,7 @@ use crate::mesh::{Options, PlacedMesh};
 use crate::simd::{LANES, Level, bits, by_axis, dispatch, outlined};
 use crate::volume::Aabb;
 
-/// Number of processed leaf pairs above which a search counts as costly. Such a search takes some
-/// milliseconds, and a frontier makes similar searches after it faster.
+/// Number of processed leaf pairs above which the searches after this one keep a frontier.
 const COSTLY_PAIRS: usize = 1 << 13;
 
 /// Maximum ratio of the sizes of two boxes up to which both nodes are opened, not only the larger.
@@ -197,33 +196,34 @@ impl<'a> Search<'a> {
             let (host_node, guest_node) =
                 (&self.nodes[HOST][host.node as usize], &self.nodes[GUEST][guest.node as usize]);
             let (host_lane, guest_lane) = (usize::from(host.lane), usize::from(guest.lane));
-            let (host_box, guest_box) = (host_node.lane_bounds(host_lane), guest_node.lane_bounds(guest_lane));
-            let line = self.line_bound.line(&host_box, &guest_box);
-            let remainder = line.remainder();
+            let line = self.line_bound.line(&host_node.lane_bounds(host_lane), &guest_node.lane_bounds(guest_lane));
+            let children = [host_node.child(host_lane), guest_node.child(guest_lane)];
+            let slabs = Slab::of_both(simd, &children, &self.nodes, &self.packets);
+            let remainder = self.line_bound.remainder(&line, &slabs, cut);
             if remainder.is_longer(cut) {
                 self.raise::<KEEPS>(&task, remainder.length());
                 continue;
             }
             let entries = self.entries();
             // The node to open, if not both.
-            let one = match (host_node.child(host_lane), guest_node.child(guest_lane)) {
-                (Child::Leaf(host), Child::Leaf(guest)) => {
-                    let packets = [self.packets[HOST].get(simd, host), self.packets[GUEST].get(simd, guest)];
-                    let remainder = line.remainder_of_leaves(&packets);
+            let one = match children {
+                [Child::Leaf(host), Child::Leaf(guest)] => {
+                    let remainder = line.remainder_in_slabs(&slabs);
                     if remainder.is_longer(cut) {
                         self.raise::<KEEPS>(&task, remainder.length());
                     } else {
+                        let packets = [self.packets[HOST].get(simd, host), self.packets[GUEST].get(simd, guest)];
                         let least = self.process_leaves::<S, KEEPS>(simd, [host, guest], &packets)?;
                         self.leaf_pairs += 1;
                         self.raise::<KEEPS>(&task, f64::from(least));
                     }
                     continue;
                 }
-                (Child::Inner(node), Child::Leaf(_)) => Some((HOST, node, guest)),
-                (Child::Leaf(_), Child::Inner(node)) => Some((GUEST, node, host)),
-                (Child::Inner(host_node), Child::Inner(guest_node)) => {
-                    let host_size = size(&self.box_of(simd, HOST, host));
-                    let guest_size = size(&self.box_of(simd, GUEST, guest));
+                [Child::Inner(node), Child::Leaf(_)] => Some((HOST, node, guest)),
+                [Child::Leaf(_), Child::Inner(node)] => Some((GUEST, node, host)),
+                [Child::Inner(host_node), Child::Inner(guest_node)] => {
+                    let boxes = [self.box_of(simd, HOST, host), self.box_of(simd, GUEST, guest)];
+                    let [host_size, guest_size] = boxes.map(size);
                     if host_size > MAX_SIZE_RATIO * guest_size {
                         Some((HOST, host_node, guest))
                     } else if guest_size > MAX_SIZE_RATIO * host_size {
@@ -394,7 +394,7 @@ impl<'a> Search<'a> {
 
 /// Returns the greatest extent of a box.
 #[inline(always)]
-fn size(bounds: &Aabb) -> f32 {
+fn size(bounds: Aabb) -> f32 {
     let [x, y, z] = by_axis!(axis => bounds.max[axis] - bounds.min[axis]);
     x.max(y).max(z)
 }
