@@ -1,4 +1,4 @@
-"""Self-collision of robots beside Pinocchio with Coal, in turn, against known verdicts.
+"""Collisions and clearances of robots beside Pinocchio with Coal, in turn, against known verdicts.
 
     python3 -m venv .venv && .venv/bin/pip install -r bench/requirements.txt .
     .venv/bin/pip install pin==4.1.0
@@ -9,6 +9,9 @@ a verdict on which FCL, Coal and impinge agree. Pinocchio places the meshes of t
 compares the pairs that the SRDF file leaves, until the first collision. It is called in a loop,
 which costs about a microsecond of Python for each configuration. impinge gets all configurations in
 one call, on one thread. The run fails if a verdict of either is wrong.
+
+The Panda is also placed in front of a human of 26,756 triangles, where the verdicts of both are
+compared. Of its clearances, those that are not zero are compared.
 """
 
 import argparse
@@ -21,6 +24,7 @@ import warnings
 from collections.abc import Callable
 from pathlib import Path
 
+import coal
 import impinge
 import numpy as np
 import pinocchio as pin
@@ -31,6 +35,10 @@ ROBOTS = {
     "Panda": ("panda_description/urdf/panda.urdf", "panda_description/srdf/panda.srdf", "panda_self"),
     "Talos": ("talos_data/robots/talos_reduced.urdf", "talos_data/srdf/talos.srdf", "talos_self"),
 }
+
+QUESTIONS = {"Panda": ("", " and a human", ", clearance", " and a human, clearance"), "Talos": ("", ", clearance")}
+
+Ask = Callable[[np.ndarray], np.ndarray]
 
 
 def prepared(urdf: Path, data: Path, folder: Path) -> Path:
@@ -44,34 +52,86 @@ def prepared(urdf: Path, data: Path, folder: Path) -> Path:
     return path
 
 
-def of_impinge(urdf: Path, srdf: Path, joints: list[str]) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the check of impinge. `joints` names the columns of its configurations."""
+def human() -> impinge.Mesh:
+    """Return the mesh of the human, where it stands in front of the robot."""
+    mesh = impinge.load(Path(__file__).parent.parent / "data" / "human_makehuman_cc0.ply")
+    return impinge.Mesh(mesh.vertices + np.array([0.9, 0.0, 0.0]), mesh.faces)
+
+
+def of_impinge(urdf: Path, srdf: Path, joints: list[str]) -> dict[str, Ask]:
+    """Return the questions to impinge. `joints` names the columns of its configurations."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", impinge.LoadWarning)
         robot = impinge.Robot.load(urdf, srdf)
     columns = [joints.index(name) for name in robot.joints]
+    scene = impinge.Scene({"human": human()})
 
-    def check(q: np.ndarray) -> np.ndarray:
+    def check(q: np.ndarray, scene: impinge.Scene | None = None) -> np.ndarray:
         with impinge.threads(1):
-            return np.asarray(robot.check(q[:, columns]).collides)
+            return np.asarray(robot.check(q[:, columns], scene).collides)
 
-    return check
+    def clearance(q: np.ndarray, scene: impinge.Scene | None = None) -> np.ndarray:
+        with impinge.threads(1):
+            return np.asarray(robot.clearance(q[:, columns], scene).upper)
+
+    return {
+        "": check,
+        " and a human": lambda q: check(q, scene),
+        ", clearance": clearance,
+        " and a human, clearance": lambda q: clearance(q, scene),
+    }
 
 
-def of_pinocchio(urdf: Path, srdf: Path) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the check of Pinocchio with Coal."""
+def of_pinocchio(urdf: Path, srdf: Path) -> dict[str, Ask]:
+    """Return the questions to Pinocchio with Coal."""
     model = pin.buildModelFromUrdf(str(urdf))
-    geometry = pin.buildGeomFromUrdf(model, str(urdf), pin.GeometryType.COLLISION)
-    geometry.addAllCollisionPairs()
-    pin.removeCollisionPairs(model, geometry, str(srdf))
-    placed, shapes = model.createData(), geometry.createData()
-    for request in shapes.collisionRequests:
-        request.enable_contact = False
 
-    def check(q: np.ndarray) -> np.ndarray:
-        return np.array([pin.computeCollisions(model, placed, geometry, shapes, row, True) for row in q])
+    def geometry(has_human: bool) -> tuple[pin.GeometryModel, pin.GeometryData]:
+        parts = pin.buildGeomFromUrdf(model, str(urdf), pin.GeometryType.COLLISION)
+        parts.addAllCollisionPairs()
+        pin.removeCollisionPairs(model, parts, str(srdf))
+        if has_human:
+            links, mesh = len(parts.geometryObjects), human()
+            shape = coal.BVHModelOBBRSS()
+            shape.beginModel(len(mesh.faces), len(mesh.vertices))
+            shape.addVertices(np.asarray(mesh.vertices, dtype=float))
+            shape.addTriangles(np.asarray(mesh.faces, dtype=np.int64))
+            shape.endModel()
+            added = parts.addGeometryObject(pin.GeometryObject("human", 0, pin.SE3.Identity(), shape))
+            for link in range(links):
+                parts.addCollisionPair(pin.CollisionPair(link, added))
+        shapes = parts.createData()
+        for request in shapes.collisionRequests:
+            request.enable_contact = False
+        return parts, shapes
 
-    return check
+    placed = model.createData()
+    alone, in_scene = geometry(has_human=False), geometry(has_human=True)
+
+    def check(q: np.ndarray, parts: tuple[pin.GeometryModel, pin.GeometryData]) -> np.ndarray:
+        return np.array([pin.computeCollisions(model, placed, *parts, row, True) for row in q])
+
+    def clearance(q: np.ndarray, parts: tuple[pin.GeometryModel, pin.GeometryData]) -> np.ndarray:
+        def least(row: np.ndarray) -> float:
+            nearest = pin.computeDistances(model, placed, *parts, row)
+            return max(parts[1].distanceResults[nearest].min_distance, 0.0)
+
+        return np.array([least(row) for row in q])
+
+    return {
+        "": lambda q: check(q, alone),
+        " and a human": lambda q: check(q, in_scene),
+        ", clearance": lambda q: clearance(q, alone),
+        " and a human, clearance": lambda q: clearance(q, in_scene),
+    }
+
+
+def agree(found: np.ndarray, expected: np.ndarray) -> bool:
+    """Report whether verdicts are equal, or clearances where the robot is free."""
+    if found.dtype == bool:
+        return np.array_equal(found, expected)
+    is_free = expected > 0
+    return bool(np.allclose(found[is_free], expected[is_free], rtol=1e-6, atol=1e-9) and np.all(found[~is_free] == 0))
 
 
 def main() -> None:
@@ -89,18 +149,22 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as folder:
             files = prepared(data / "robots" / urdf, data, Path(folder)), data / "robots" / srdf
             joints = list(pin.buildModelFromUrdf(str(files[0])).names)[1:]
-            engines = {"Pinocchio with Coal": of_pinocchio(*files), "impinge": of_impinge(*files, joints)}
-        times: dict[str, list[float]] = {engine: [] for engine in engines}
-        for _ in range(arguments.repeats):
-            for engine, check in engines.items():
-                start = time.perf_counter()
-                found = check(q)
-                times[engine].append((time.perf_counter() - start) / len(q))
-                assert np.array_equal(found, collides), f"{engine}: a wrong verdict about {name}"
-        for engine, runs in times.items():
-            print(f"| {name} | {engine} | {1e6 * statistics.median(runs):.2f} |", flush=True)
-            record.seconds(name, "configuration", runs, engine)
-        record.row(name, "rows", "1", len(q))
+            engines = {"impinge": of_impinge(*files, joints), "Pinocchio with Coal": of_pinocchio(*files)}
+        for question in QUESTIONS[name]:
+            rows = q if "clearance" not in question else q[: len(q) // 10]
+            times: dict[str, list[float]] = {engine: [] for engine in engines}
+            truth = collides if question == "" else None
+            for _ in range(arguments.repeats):
+                for engine, asks in engines.items():
+                    start = time.perf_counter()
+                    found = asks[question](rows)
+                    times[engine].append((time.perf_counter() - start) / len(rows))
+                    truth = found if truth is None else truth
+                    assert agree(found, truth), f"{engine}: wrong about {name}{question}"
+            for engine, runs in times.items():
+                print(f"| {name}{question} | {engine} | {1e6 * statistics.median(runs):.2f} |", flush=True)
+                record.seconds(f"{name}{question}", "configuration", runs, engine)
+            record.row(f"{name}{question}", "rows", "1", len(rows))
 
 
 if __name__ == "__main__":

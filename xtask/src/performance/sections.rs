@@ -233,9 +233,10 @@ pair is. In the duplex, pairs with an open part, such as a window, take nine ten
     Section {
         heading: "Robots beside Pinocchio with Coal",
         about: "\
-Whether a robot collides with itself in a configuration, with the kinematics, on one thread: median
-of the runs, mean of the configurations. Pinocchio and Coal are called in a loop, which costs about
-a microsecond of Python, and stop at the first collision, too. All verdicts are right.",
+Whether a robot collides with itself in a configuration, or with a human of 26,756 triangles too,
+and its clearance; with the kinematics, on one thread: median of the runs, mean of the
+configurations. Pinocchio and Coal are called in a loop, which costs about a microsecond of Python,
+and stop at the first collision, too. All verdicts are right, and the clearances agree.",
         bench: "robots",
         pivot: Pivot {
             cases: "robot",

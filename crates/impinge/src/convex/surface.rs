@@ -68,9 +68,16 @@ impl<'a, F: Faces> Surface<'a, F> {
     /// Returns the distance of a convex set, in world units. It is infinite if the mesh has no
     /// faces.
     pub(crate) fn separation(&self, shape: &Swept<'_>) -> Separation {
+        self.separation_within(shape, f64::INFINITY)
+    }
+
+    /// Returns the distance of a convex set, in world units. It is infinite if all faces are proved
+    /// to be farther away than `limit`.
+    pub(crate) fn separation_within(&self, shape: &Swept<'_>, limit: f64) -> Separation {
         let mut search = Separating {
             surface: self,
             shape,
+            limit,
             best: Separation {
                 lower: f64::INFINITY,
                 upper: f64::INFINITY,
@@ -230,6 +237,7 @@ impl<F: Faces> Search for Nearness<'_, '_, F> {
 struct Separating<'a, 'q, F> {
     surface: &'q Surface<'a, F>,
     shape: &'q Swept<'q>,
+    limit: f64,
     best: Separation,
     face: u32,
     direction: Option<[f64; 3]>,
@@ -238,12 +246,12 @@ struct Separating<'a, 'q, F> {
 
 impl<F: Faces> Search for Separating<'_, '_, F> {
     fn cut(&self) -> f64 {
-        self.best.upper
+        self.best.upper.min(self.limit)
     }
 
     fn visit(&mut self, face: u32, corners: &[[f64; 3]; 3]) -> ControlFlow<(), Option<[f64; 3]>> {
         let face_set = self.surface.face(corners);
-        let Some(found) = separation_within(&face_set, self.shape, self.best.upper, &mut self.known) else {
+        let Some(found) = separation_within(&face_set, self.shape, self.cut(), &mut self.known) else {
             return Continue(None);
         };
         if found.proximity == Proximity::Intersects {

@@ -71,10 +71,13 @@ pub(super) fn nearness_of_parts(a: &PlacedShape, b: &PlacedShape, clearance: f64
 /// the lower bound is zero and the answer undecided.
 pub(in crate::query) fn separation(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -> Separation {
     if let ([a], [b]) = (a.parts(), b.parts()) {
-        return separation_of_parts(a, b, budget);
+        return separation_of_parts(a, b, f64::INFINITY, budget);
     }
-    let of_parts = |[i, j]: [u32; 2]| separation_of_parts(&a.parts()[i as usize], &b.parts()[j as usize], budget);
-    let reach = near_pair(a, b).map_or(f64::INFINITY, |numbers| of_parts(numbers).upper);
+    let of_parts = |[i, j]: [u32; 2], limit: f64| {
+        separation_of_parts(&a.parts()[i as usize], &b.parts()[j as usize], limit, budget)
+    };
+    let first = near_pair(a, b).map(|numbers| (numbers, of_parts(numbers, f64::INFINITY)));
+    let reach = first.map_or(f64::INFINITY, |(_, found)| found.upper);
     let mut near: Vec<(f64, [u32; 2])> = pairs_near(a, b, reach)
         .into_iter()
         .map(|[i, j]| (gap_of_boxes(&a.parts()[i as usize], &b.parts()[j as usize]), [i, j]))
@@ -89,7 +92,8 @@ pub(in crate::query) fn separation(a: &PlacedShape, b: &PlacedShape, budget: &Bu
         if best.upper < f64::INFINITY && budget.is_spent() {
             return Separation { lower: 0.0, proximity: Proximity::Undecided, ..best };
         }
-        let found = of_parts([i, j]);
+        let known = first.filter(|(numbers, _)| *numbers == [i, j]);
+        let found = known.map_or_else(|| of_parts([i, j], reach.min(best.upper)), |(_, found)| found);
         let lower = best.lower.min(found.lower);
         let is_undecided = best.proximity == Proximity::Undecided || found.proximity == Proximity::Undecided;
         if found.proximity == Proximity::Intersects {
@@ -106,19 +110,20 @@ pub(in crate::query) fn separation(a: &PlacedShape, b: &PlacedShape, budget: &Bu
     best
 }
 
-fn separation_of_parts(a: &PlacedShape, b: &PlacedShape, budget: &Budget<'_>) -> Separation {
+/// Computes the distance of two parts. It may be infinite if they are farther apart than `limit`.
+fn separation_of_parts(a: &PlacedShape, b: &PlacedShape, limit: f64, budget: &Budget<'_>) -> Separation {
     match (a.form(), b.form()) {
         (Form::Convex(a), Form::Convex(b)) => convex::separation(&a, &b),
         (Form::HalfSpace(plane), Form::Convex(shape)) => plane.separation(&shape),
         (Form::Convex(shape), Form::HalfSpace(plane)) => swapped(plane.separation(&shape)),
         (Form::HalfSpace(a), Form::HalfSpace(b)) => a.separation_of_half_spaces(&b),
-        (Form::Surface(surface), Form::Convex(shape)) => surface.separation(&shape),
-        (Form::Convex(shape), Form::Surface(surface)) => swapped(surface.separation(&shape)),
+        (Form::Surface(surface), Form::Convex(shape)) => surface.separation_within(&shape, limit),
+        (Form::Convex(shape), Form::Surface(surface)) => swapped(surface.separation_within(&shape, limit)),
         (Form::HalfSpace(plane), Form::Surface(surface)) => plane.separation_of_surface(&surface),
         (Form::Surface(surface), Form::HalfSpace(plane)) => swapped(plane.separation_of_surface(&surface)),
         (Form::Surface(a), Form::Surface(b)) => separation_of_surfaces(mesh_of(&a), mesh_of(&b), budget),
-        (Form::Field(field), Form::Convex(shape)) => field.separation(&shape),
-        (Form::Convex(shape), Form::Field(field)) => swapped(field.separation(&shape)),
+        (Form::Field(field), Form::Convex(shape)) => field.separation_within(&shape, limit),
+        (Form::Convex(shape), Form::Field(field)) => swapped(field.separation_within(&shape, limit)),
         (Form::Field(field), Form::HalfSpace(plane)) => swapped(plane.separation_of_surface(&field)),
         (Form::HalfSpace(plane), Form::Field(field)) => plane.separation_of_surface(&field),
         (Form::Field(field), Form::Surface(surface)) => separation_of_field(&field, &surface, budget),
