@@ -1,5 +1,5 @@
-//! Contacts of two convex shapes along given normals, for those whose shortest way apart is no way
-//! out: the sides of parts of a larger surface.
+//! Contacts of two convex shapes along given normals. They are needed if the shortest way apart is
+//! no way out, because it leads into other parts of the same surface.
 //!
 //! The tests are in `tests/it/shapes/surfaces.rs` and `tests/it/shapes/mesh_contacts.rs`.
 
