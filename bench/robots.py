@@ -36,7 +36,7 @@ ROBOTS = {
     "Talos": ("talos_data/robots/talos_reduced.urdf", "talos_data/srdf/talos.srdf", "talos_self"),
 }
 
-QUESTIONS = {"Panda": ("", " and a human", ", clearance", " and a human, clearance"), "Talos": ("", ", clearance")}
+QUESTIONS = {"Panda": ("", " and a human", ", clearance", " and a human, clearance"), "Talos": ("",)}
 
 Ask = Callable[[np.ndarray], np.ndarray]
 
