@@ -9,7 +9,7 @@ use crate::record::{self, Row};
 use crate::samples::Samples;
 
 /// Libraries that tables name, in a heading or at the beginning of a row.
-const ENGINES: [&str; 5] = ["impinge", "kiddo", "obvhs", "parry3d", "rstar"];
+const ENGINES: [&str; 6] = ["impinge", "kiddo", "obvhs", "parry3d", "rapier3d", "rstar"];
 
 /// Units of cells: the sign, the unit in a record, and the factor between the two.
 const UNITS: [(&str, &str, f64); 5] =

@@ -20,7 +20,7 @@ const fn time(quantity: &'static str, heading: &'static str, unit: Unit) -> Time
 }
 
 /// Sections in the order of the page.
-pub(crate) const SECTIONS: [Section; 17] = [
+pub(crate) const SECTIONS: [Section; 18] = [
     Section {
         heading: "All intersecting pairs beside FCL and Coal",
         about: "\
@@ -180,6 +180,23 @@ proved in double precision. parry3d computes in single precision without a bound
                 time("intersects", "intersects", Unit::Nanoseconds),
                 time("distance", "distance", Unit::Nanoseconds),
                 time("depth", "depth", Unit::Nanoseconds),
+            ],
+        },
+    },
+    Section {
+        heading: "Small worlds beside rapier3d",
+        about: "\
+One step of a world in which all bodies move, about 1 in size at a mean spacing of 2: median. Both
+engines step in turn, keep their pairs from step to step, and find the same pairs. rapier3d computes
+in single precision. It detects collisions only, without dynamics.",
+        bench: "small_worlds",
+        pivot: Pivot {
+            cases: "world",
+            ours: "impinge",
+            counts: &[("impinge", "pairs", "pairs")],
+            times: &[
+                time("intersections", "intersections", Unit::Microseconds),
+                time("contacts", "contacts", Unit::Microseconds),
             ],
         },
     },

@@ -1,5 +1,5 @@
 //! Worlds of many moving bodies: meshes that tumble in a box, the steadiness of steps while bodies
-//! are added and removed, the fastest broad phase for many scenes, and small worlds.
+//! are added and removed, and the fastest broad phase for many scenes.
 //!
 //! `cargo run --release -p impinge-bench --bin worlds -- meshes`
 //!
@@ -14,7 +14,6 @@ mod few;
 mod kinds;
 mod meshes;
 mod scenes;
-mod small;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -67,16 +66,6 @@ enum Question {
         #[arg(long, default_value_t = 60)]
         steps: usize,
     },
-    /// Small worlds of which all bodies move, by shapes and by narrow phases
-    Small {
-        #[arg(long, value_delimiter = ',', default_values_t = [10, 30, 100, 300, 1000])]
-        bodies: Vec<usize>,
-        #[arg(long, default_value_t = 400)]
-        steps: usize,
-        /// Only worlds of these shapes
-        #[arg(long)]
-        shapes: Option<small::Shapes>,
-    },
 }
 
 fn main() -> Result<()> {
@@ -89,6 +78,5 @@ fn main() -> Result<()> {
         Question::Churn { bodies, steps } => churn::steady(bodies, steps),
         Question::Kinds { most } => kinds::compare(most),
         Question::Few { bodies, moving, steps } => few::compare(bodies, moving, steps),
-        Question::Small { bodies, steps, shapes } => small::compare(&bodies, steps, shapes),
     }
 }
