@@ -175,6 +175,10 @@ impl Facets {
 }
 
 fn of_polytope(set: &Posed<'_>, facets: &Facets, direction: [f64; 3]) -> Facing {
+    of_box(set, facets, direction).unwrap_or_else(|| of_any_polytope(set, facets, direction))
+}
+
+fn of_any_polytope(set: &Posed<'_>, facets: &Facets, direction: [f64; 3]) -> Facing {
     let point = |corner: u32| set.spot(facets.corners[corner as usize].1).point;
     let corner = |corner: u32| Corner { number: facets.corners[corner as usize].0, point: point(corner) };
     let farthest = match set.core() {
@@ -197,6 +201,33 @@ fn of_polytope(set: &Posed<'_>, facets: &Facets, direction: [f64; 3]) -> Facing 
     let mut corners = no_corners();
     corners.extend(std::iter::once(corner(farthest)).chain(edge.map(|(_, other)| corner(other))));
     Facing { corners, facet: 0 }
+}
+
+/// Returns the part of a box that faces a direction, found from the edges of the box alone. Returns
+/// `None` for a box without volume, and for any other core.
+fn of_box(set: &Posed<'_>, facets: &Facets, direction: [f64; 3]) -> Option<Facing> {
+    let Core::Cuboid(points) = set.core() else { return None };
+    let edges = set.half_edges_of_box()?;
+    let outward = if set.pose().mirrors() { -1.0 } else { 1.0 };
+    let cosine = |vector: &[f64; 3]| dot(&direction, vector) / length(vector);
+    let normal = |axis: usize| cross(&edges[(axis + 1) % 3], &edges[(axis + 2) % 3]);
+    let cosines = [0, 1, 2].map(|axis| outward * cosine(&normal(axis)));
+    let by_size = |of: [f64; 3]| move |i: &usize, j: &usize| of[*i].abs().total_cmp(&of[*j].abs());
+    let axis = (0..3).max_by(by_size(cosines))?;
+    // Bit k of the number of a corner is set on the positive side of axis k.
+    if faces(cosines[axis].abs()) {
+        let is_on_side = |&corner: &u32| (facets.corners[corner as usize].0 >> axis & 1 == 1) == (cosines[axis] > 0.0);
+        let facet = facets.all().find(|&facet| facets.outlines.list(facet).iter().all(is_on_side))?;
+        return Some(facets.facing(set, facet));
+    }
+    let sines = edges.each_ref().map(cosine);
+    let farthest = (0..3).fold(0, |number, axis| number | u32::from(sines[axis] > 0.0) << axis);
+    let axis = (0..3).min_by(by_size(sines))?;
+    let edge = (sines[axis].abs() <= MAX_FACING_SINE).then_some(farthest ^ 1 << axis);
+    let mut corners = no_corners();
+    let corner = |number: u32| Corner { number, point: set.spot(points[number as usize]).point };
+    corners.extend(std::iter::once(farthest).chain(edge).map(corner));
+    Some(Facing { corners, facet: 0 })
 }
 
 /// Returns the farthest points along eight directions about the given one, numbered by direction,
@@ -252,6 +283,42 @@ mod tests {
     use crate::hull::Hull;
     use crate::math::Pose;
     use impinge_testkit::generate::{Rng, poses, solids};
+
+    /// Boxes at rotated and mirrored poses, along directions of a grid and others.
+    #[test]
+    fn parts_of_boxes_are_those_of_other_polytopes() {
+        let mut rng = Rng::new(576);
+        let mut found = [0; 3];
+        for case in 0..4_000 {
+            let half: [f64; 3] = std::array::from_fn(|_| rng.choose(&[0.25, 0.5, 1.0]));
+            let points: Vec<[f64; 3]> = (0..8)
+                .map(|corner| std::array::from_fn(|k| if corner >> k & 1 == 1 { half[k] } else { -half[k] }))
+                .collect();
+            let facets = Facets::of_points(&points).expect("a hull");
+            let mut linear =
+                if case % 2 == 0 { poses::cube_symmetry(&mut rng) } else { poses::rotation(&mut rng).linear };
+            if case % 3 == 0 {
+                linear.iter_mut().for_each(|row| row[0] = -row[0]);
+            }
+            let pose = Pose::new(linear, [0.5, 1.0, -2.0]).expect("a pose");
+            let swept = Swept { core: Core::Cuboid(&points), pose: &pose, radius: [0.0; 2] };
+            let pair = Pair::new(&swept, &swept);
+            let direction = to_unit_length([0; 3].map(|_: i32| rng.integer(-6, 6) as f64));
+            let quick = of_box(&pair.a, &facets, direction).expect("a box with volume");
+            let expected = of_any_polytope(&pair.a, &facets, direction);
+            assert_eq!(quick.corners.len(), expected.corners.len(), "{half:?} {direction:?}");
+            if let ([p, q], [r, s]) = (&quick.corners[..], &expected.corners[..]) {
+                // Two edges may lean alike.
+                let sine = |from: &Corner, to: &Corner| dot(&direction, &to_unit_length(sub(&to.point, &from.point)));
+                assert!((sine(p, q).abs() - sine(r, s).abs()).abs() < 1e-12, "{half:?} {direction:?}");
+            } else {
+                assert_eq!(quick.feature(), expected.feature(), "{half:?} {direction:?}");
+                assert!(quick.corners.iter().all(|corner| expected.corners.contains(corner)));
+            }
+            found[quick.corners.len().min(3) - 1] += 1;
+        }
+        assert!(found.iter().all(|&found| found > 100), "{found:?}");
+    }
 
     /// Facets whose corners and normals are computed for each direction.
     #[test]

@@ -111,30 +111,34 @@ impl<'s> Side<'s> {
     }
 }
 
-/// Returns the features that face each other along a direction, and the places where the facing
-/// parts lie over each other. Of several facing facets the first names the feature.
-fn facing_overlap(pair: &Pair<'_>, [a, b]: [&Side<'_>; 2], normal: &[f64; 3]) -> ([Feature; 2], Places) {
-    let mut over = Over::none();
-    if let (Core::Points([p]), Core::Points([q])) = (pair.a.core(), pair.b.core()) {
-        // The points are always the deepest ones, so no parts need to be compared.
-        let features = [Feature::Vertex(0); 2];
-        over.push(Over { points: [pair.a.spot(*p).point, pair.b.spot(*q).point], features });
-        return (features, over);
-    }
-    let near = shadow_tolerance(pair, smaller_size(pair, [a, b]));
+/// Returns the places of two points. They are always the deepest ones, so no parts that face each
+/// other need to be compared. Returns `None` for all other cores.
+fn over_of_points(pair: &Pair<'_>) -> Option<Over> {
+    let (Core::Points([p]), Core::Points([q])) = (pair.a.core(), pair.b.core()) else { return None };
+    Some(Over { points: [pair.a.spot(*p).point, pair.b.spot(*q).point], features: [Feature::Vertex(0); 2] })
+}
+
+/// Adds the places where the facing parts lie over each other along a direction to `found`, and
+/// returns the features that face each other. Of several facing facets the first names the feature.
+fn facing_overlap(
+    pair: &Pair<'_>,
+    [a, b]: [&Side<'_>; 2],
+    normal: &[f64; 3],
+    near: f64,
+    found: &mut Places,
+) -> [Feature; 2] {
     let opposite = normal.map(|x| -x);
     if a.leaning.is_none() && b.leaning.is_none() {
         // One part of each faces the other, as for almost all shapes, so no lists are needed.
         let part_a = facing(&pair.a, a.shape.facets, *normal);
         let part_b = facing(&pair.b, b.shape.facets, opposite);
-        let features = [part_a.feature(), part_b.feature()];
-        overlap(&part_a, &part_b, normal, near, &mut over);
-        return (features, over);
+        overlap(&part_a, &part_b, normal, near, found);
+        return [part_a.feature(), part_b.feature()];
     }
     let facing_a = a.all_facing(&pair.a, *normal);
     let facing_b = b.all_facing(&pair.b, opposite);
-    overlap_of_all(&facing_a, &facing_b, normal, near, &mut over);
-    ([facing_a.first.feature(), facing_b.first.feature()], over)
+    overlap_of_all(&facing_a, &facing_b, normal, near, found);
+    [facing_a.first.feature(), facing_b.first.feature()]
 }
 
 fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts {
@@ -147,14 +151,21 @@ fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts 
         found = depth(Effort::ROUND_DEPTH);
     }
     let normal = found.depth.normal;
-    let (features, mut over) = facing_overlap(&pair, sides, &normal);
-    let height = |over: &Over| dot(&normal, &over.points[0]) - dot(&normal, &over.points[1]);
-    let witness = Over { points: found.core, features };
-    let deepest = over.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
-    if deepest.is_nan() || deepest < height(&witness) - MIN_WITNESS_EXCESS * size - pair.point_error() {
-        over.push(witness);
-    }
-    let mut contacts = measured(&pair, sides, &normal, over);
+    let mut contacts = match over_of_points(&pair) {
+        Some(over) => vec![Measure::new(&pair, sides, &normal).contact(&over)],
+        None => {
+            let near = shadow_tolerance(&pair, size);
+            let mut over = Over::none();
+            let features = facing_overlap(&pair, sides, &normal, near, &mut over);
+            let height = |over: &Over| height(over, &normal);
+            let witness = Over { points: found.core, features };
+            let deepest = over.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+            if deepest.is_nan() || deepest < height(&witness) - MIN_WITNESS_EXCESS * size - pair.point_error() {
+                over.push(witness);
+            }
+            measured(&pair, sides, &normal, near, &mut over)
+        }
+    };
     if found.depth.upper == 0.0 {
         // The shapes are proved to reach no farther than to each other along the normal.
         for contact in &mut contacts {
@@ -169,8 +180,13 @@ fn contacts_in_order(a: &Faceted<'_>, b: &Faceted<'_>, margin: f64) -> Contacts 
 /// Returns the contacts along a given normal of length 1: the places where the facing sides lie
 /// over each other and are at most `margin` apart.
 pub(super) fn contacts_over(pair: &Pair<'_>, sides: [&Side<'_>; 2], normal: [f64; 3], margin: f64) -> Contacts {
-    let (_, over) = facing_overlap(pair, sides, &normal);
-    let mut contacts = measured(pair, sides, &normal, over);
+    let near = shadow_tolerance(pair, smaller_size(pair, sides));
+    let mut over = Over::none();
+    match over_of_points(pair) {
+        Some(points) => over.push(points),
+        None => _ = facing_overlap(pair, sides, &normal, near, &mut over),
+    }
+    let mut contacts = measured(pair, sides, &normal, near, &mut over);
     contacts.retain(|contact| contact.upper >= -margin);
     Contacts { normal, contacts }
 }
@@ -184,34 +200,56 @@ fn smaller_size(pair: &Pair<'_>, [a, b]: [&Side<'_>; 2]) -> f64 {
 }
 
 /// Converts points over each other to contacts, the deepest first. Of several contacts in one
-/// place, or with the same features, only the deepest is kept.
-fn measured(pair: &Pair<'_>, [a, b]: [&Side<'_>; 2], normal: &[f64; 3], over: Places) -> Vec<Contact> {
-    let height = |over: &Over| dot(normal, &over.points[0]) - dot(normal, &over.points[1]);
-    let error = heights_error(pair);
-    let near = shadow_tolerance(pair, smaller_size(pair, [a, b]));
-    let mut sorted = over;
-    sorted.sort_by(|x, y| height(y).total_cmp(&height(x)).then_with(|| rank(x).cmp(&rank(y))));
-    let (radius_a, radius_b) = (a.shape.swept.radius, b.shape.swept.radius);
+/// place, or with the same features, only the deepest is kept. `near` is the tolerance of the
+/// shadows.
+fn measured(pair: &Pair<'_>, sides: [&Side<'_>; 2], normal: &[f64; 3], near: f64, over: &mut Places) -> Vec<Contact> {
+    let measure = Measure::new(pair, sides, normal);
+    let height = |over: &Over| height(over, normal);
+    over.sort_by(|x, y| height(y).total_cmp(&height(x)).then_with(|| rank(x).cmp(&rank(y))));
     let mut places = ShortList::<[f64; 3], 8>::new([0.0; 3]);
-    let mut contacts = Vec::with_capacity(sorted.len());
-    for over in &*sorted {
-        let (height, Over { points, features }) = (height(over), *over);
-        let is_named = contacts.iter().any(|contact: &Contact| contact.features == features);
-        if is_named || places.iter().any(|place| is_one_place(place, &points[0], near)) {
+    let mut contacts = Vec::with_capacity(over.len());
+    for over in over.iter() {
+        let is_named = contacts.iter().any(|contact: &Contact| contact.features == over.features);
+        if is_named || places.iter().any(|place| is_one_place(place, &over.points[0], near)) {
             continue;
         }
-        places.push(points[0]);
-        let [low, high] = [below(height - error), above(height + error)].map(|end| end * pair.unit);
-        let lower = below(low + below(radius_a[0] + radius_b[0]));
-        let upper = above(high + above(radius_a[1] + radius_b[1]));
-        let [p, q] = points.map(|point| pair.world(point));
-        let points = [
-            std::array::from_fn(|k| p[k] + normal[k] * radius_a[0]),
-            std::array::from_fn(|k| q[k] - normal[k] * radius_b[0]),
-        ];
-        contacts.push(Contact { points, lower, upper, features });
+        places.push(over.points[0]);
+        contacts.push(measure.contact(over));
     }
     contacts
+}
+
+/// Returns how far the first of two points over each other is beyond the second along the normal.
+fn height(Over { points: [p, q], .. }: &Over, normal: &[f64; 3]) -> f64 {
+    dot(normal, p) - dot(normal, q)
+}
+
+/// Converts points of two cores over each other to contacts of the shapes around them.
+struct Measure<'m> {
+    pair: &'m Pair<'m>,
+    normal: &'m [f64; 3],
+    radii: [[f64; 2]; 2],
+    /// Bound on the error of a height, in the common unit.
+    error: f64,
+}
+
+impl<'m> Measure<'m> {
+    fn new(pair: &'m Pair<'m>, sides: [&Side<'_>; 2], normal: &'m [f64; 3]) -> Self {
+        Self { pair, normal, radii: sides.map(|side| side.shape.swept.radius), error: heights_error(pair) }
+    }
+
+    fn contact(&self, over: &Over) -> Contact {
+        let (height, [radius_a, radius_b]) = (height(over, self.normal), self.radii);
+        let [low, high] = [below(height - self.error), above(height + self.error)].map(|end| end * self.pair.unit);
+        let lower = below(low + below(radius_a[0] + radius_b[0]));
+        let upper = above(high + above(radius_a[1] + radius_b[1]));
+        let [p, q] = over.points.map(|point| self.pair.world(point));
+        let points = [
+            std::array::from_fn(|k| p[k] + self.normal[k] * radius_a[0]),
+            std::array::from_fn(|k| q[k] - self.normal[k] * radius_b[0]),
+        ];
+        Contact { points, lower, upper, features: over.features }
+    }
 }
 
 /// Width of an interval of depths, relative to the smaller shape, above which the depth is computed

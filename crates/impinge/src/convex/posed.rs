@@ -317,6 +317,15 @@ impl Posed<'_> {
         self.core
     }
 
+    /// Returns the half edges of a box in the common frame, one for each axis of the box. Returns
+    /// `None` for a box without volume, and for any other core.
+    pub(super) fn half_edges_of_box(&self) -> Option<[[f64; 3]; 3]> {
+        let Core::Cuboid([.., half_extents]) = self.core else { return None };
+        let linear = self.pose.linear();
+        let edge = |axis: usize| by_axis!(k => linear[k][axis] * half_extents[axis] * self.scale);
+        half_extents.iter().all(|half| *half > 0.0).then(|| [edge(0), edge(1), edge(2)])
+    }
+
     /// Returns a bound on the magnitude of the set's coordinates in its own frame, in the common
     /// unit if the pose is rigid.
     pub(super) fn reach(&self) -> f64 {

@@ -32,28 +32,8 @@ const MAX_POINT_ERROR: f64 = 1.0 / (1_u64 << 37) as f64;
 /// of one box and a corner of the other core.
 const MAX_SWEEPS: usize = 32;
 
-/// Pairs of half edges of two boxes. The face normals come first because they separate most
-/// disjoint boxes.
-const PAIRS_OF_BOXES: [[usize; 2]; 15] = [
-    [0, 1],
-    [1, 2],
-    [0, 2],
-    [3, 4],
-    [4, 5],
-    [3, 5],
-    [0, 3],
-    [0, 4],
-    [0, 5],
-    [1, 3],
-    [1, 4],
-    [1, 5],
-    [2, 3],
-    [2, 4],
-    [2, 5],
-];
-
 /// Pairs of half edges of a segment or a point and a box, or of two segments.
-const PAIRS_OF_OTHERS: [[usize; 2]; 6] = [[0, 1], [0, 2], [1, 2], [0, 3], [1, 3], [2, 3]];
+const PAIRS: [[usize; 2]; 6] = [[0, 1], [0, 2], [1, 2], [0, 3], [1, 3], [2, 3]];
 
 /// The slabs of a set of differences.
 pub(super) struct Slabs<'d> {
@@ -64,17 +44,6 @@ pub(super) struct Slabs<'d> {
     shapes: [&'d Swept<'d>; 2],
     /// Sum of all sizes, of the length of the center, and of a quarter of the extent.
     total: f64,
-}
-
-/// Direction perpendicular to two half edges, and how deep the origin is along it.
-struct Slab {
-    normal: Vector,
-    /// Reach of the half edges less that of the center along the normal, in units of its length.
-    height: f64,
-    /// Bound on the error of the height, and of the height along the exact product.
-    error: f64,
-    /// Bound on the distance of the normal from the exact product of the half edges.
-    off: f64,
 }
 
 /// Slabs that were compared with the origin so far.
@@ -127,22 +96,35 @@ impl<'d> Slabs<'d> {
 
     /// Reports whether the cores intersect, or that floats do not decide it.
     pub(super) fn proximity(&self) -> Proximity {
-        if let &[p, q, r, x, y, z] = self.differences.edges() {
-            return self.proximity_of_boxes(&[p, q, r], &[x, y, z]);
-        }
         let mut compared = Compared::default();
-        for &pair in self.pairs() {
-            let slab = self.slab(pair);
-            if compared.is_apart(slab.height, slab.error, || self.are_parallel(pair)) {
-                return Proximity::Apart;
-            }
-        }
-        compared.proximity()
+        let is_apart = !self.all_heights(|pair, height| {
+            let error = self.off(pair) * self.total;
+            !compared.is_apart(height, error, || self.are_parallel(pair))
+        });
+        if is_apart { Proximity::Apart } else { compared.proximity() }
     }
 
-    /// Returns the same for two boxes. Two half edges of one box and one of the other make a
-    /// product that is the height of a half edge along two directions, so most are computed once.
-    fn proximity_of_boxes(&self, a: &[Vector; 3], b: &[Vector; 3]) -> Proximity {
+    /// Calls `visit` with all pairs of half edges whose product may be the normal of a facet, and
+    /// with the height of the set along that product. Ends as soon as `visit` returns `false`, and
+    /// then returns `false`.
+    #[inline(always)]
+    fn all_heights(&self, mut visit: impl FnMut([usize; 2], f64) -> bool) -> bool {
+        match self.differences.edges() {
+            &[p, q, r, x, y, z] => self.all_heights_of_boxes(&[p, q, r], &[x, y, z], visit),
+            edges => self.pairs().iter().all(|&pair| visit(pair, self.height(pair, edges))),
+        }
+    }
+
+    /// Does the same for two boxes. Two half edges of one box and one of the other make a product
+    /// that is the height of a half edge along two directions, so most are computed once. The face
+    /// normals come first because they separate most disjoint boxes.
+    #[inline(always)]
+    fn all_heights_of_boxes(
+        &self,
+        a: &[Vector; 3],
+        b: &[Vector; 3],
+        mut visit: impl FnMut([usize; 2], f64) -> bool,
+    ) -> bool {
         const NEXT: [usize; 3] = [1, 2, 0];
         const AFTER: [usize; 3] = [2, 0, 1];
         let between = &self.differences.between;
@@ -150,8 +132,6 @@ impl<'d> Slabs<'d> {
         let heights = |normals: &[Vector; 3], edges: &[Vector; 3]| {
             normals.map(|normal| edges.map(|edge| dot(&normal, &edge).abs()))
         };
-        let error = |one: usize, other: usize| self.off(one, other) * self.total;
-        let mut compared = Compared::default();
         let [normals_a, normals_b] = [normals(a), normals(b)];
         let [of_b, of_a] = [heights(&normals_a, b), heights(&normals_b, a)];
         let sides = [(0, &normals_a, &of_b, a), (3, &normals_b, &of_a, b)];
@@ -159,10 +139,9 @@ impl<'d> Slabs<'d> {
             let own = dot(&normals[0], &edges[0]).abs();
             for k in 0..3 {
                 let reach = own + (others[k][0] + others[k][1] + others[k][2]);
-                let pair = [first + NEXT[k], first + AFTER[k]];
                 let height = reach - dot(&normals[k], between).abs();
-                if compared.is_apart(height, error(pair[0], pair[1]), || self.are_parallel(pair)) {
-                    return Proximity::Apart;
+                if !visit([first + NEXT[k], first + AFTER[k]], height) {
+                    return false;
                 }
             }
         }
@@ -170,39 +149,35 @@ impl<'d> Slabs<'d> {
             let turned = cross(between, &a[i]);
             for j in 0..3 {
                 let reach = of_b[NEXT[i]][j] + of_b[AFTER[i]][j] + (of_a[NEXT[j]][i] + of_a[AFTER[j]][i]);
-                let pair = [i, 3 + j];
-                let height = reach - dot(&turned, &b[j]).abs();
-                if compared.is_apart(height, error(pair[0], pair[1]), || self.are_parallel(pair)) {
-                    return Proximity::Apart;
+                if !visit([i, 3 + j], reach - dot(&turned, &b[j]).abs()) {
+                    return false;
                 }
             }
         }
-        compared.proximity()
+        true
     }
 
     /// Returns the depth, or `None` if the interval is wider than `width`, or the cores are not
     /// proved to intersect.
     pub(super) fn depth(&self, width: f64) -> Option<CoreDepth> {
         let (mut lower, mut upper, mut direction) = (f64::INFINITY, f64::INFINITY, [0.0; 3]);
-        for &pair in self.pairs() {
-            let slab = self.slab(pair);
-            let across = length(&slab.normal);
-            let least = (slab.height - slab.error) / (across + slab.off);
+        let is_bounded = self.all_heights(|pair, height| {
+            let (normal, off) = (self.normal(pair), self.off(pair));
+            let (across, error) = (length(&normal), off * self.total);
+            let least = (height - error) / (across + off);
             if least.is_nan() || least <= 0.0 || !across.is_normal() {
                 // Parallel half edges have no slab. Their exact product is zero, so their height is
                 // at most its error, and they always get here.
-                if self.are_parallel(pair) {
-                    continue;
-                }
-                return None;
+                return self.are_parallel(pair);
             }
             lower = lower.min(least * (1.0 - SLACK));
-            let greatest = (slab.height + slab.error) / across;
+            let greatest = (height + error) / across;
             if greatest < upper {
-                (upper, direction) = (greatest * (1.0 + SLACK), slab.normal);
+                (upper, direction) = (greatest * (1.0 + SLACK), normal);
             }
-        }
-        let is_narrow = upper - lower <= width;
+            true
+        });
+        let is_narrow = is_bounded && upper - lower <= width;
         let direction = is_narrow.then(|| to_unit_length(self.towards_b(direction)))?;
         let points = self.points(&direction, 0.5 * (lower + upper))?;
         Some(CoreDepth { lower, upper, direction, points })
@@ -211,40 +186,48 @@ impl<'d> Slabs<'d> {
     /// Returns the depth of two segments that cross, of which `gap` bounds the distance, or `None`
     /// if the interval is wider than `width`. The points are the nearest ones.
     pub(super) fn flat(&self, gap: &Gap, points: [Vector; 2], width: f64) -> Option<CoreDepth> {
-        let slab = self.slab([0, 1]);
-        let upper = (slab.height + slab.error) / length(&slab.normal) * (1.0 + SLACK);
+        let pair = [0, 1];
+        let (normal, error) = (self.normal(pair), self.off(pair) * self.total);
+        let height = self.height(pair, self.differences.edges());
+        let upper = (height + error) / length(&normal) * (1.0 + SLACK);
         let is_narrow = upper + gap.upper <= width;
-        let direction = self.towards_b(slab.normal);
+        let direction = self.towards_b(normal);
         is_narrow.then_some(CoreDepth { lower: -gap.upper, upper, direction, points })
     }
 
+    /// Returns the pairs of half edges of two cores that are not two boxes.
     fn pairs(&self) -> &'static [[usize; 2]] {
         match self.differences.count() {
-            6 => &PAIRS_OF_BOXES,
-            4 => &PAIRS_OF_OTHERS,
-            3 => &PAIRS_OF_OTHERS[..3],
-            _ => &PAIRS_OF_OTHERS[..1],
+            4 => &PAIRS,
+            3 => &PAIRS[..3],
+            _ => &PAIRS[..1],
         }
     }
 
-    /// Computes a slab. A product of three half edges, or of two and the center, has an error of at
-    /// most 7.5 u of the product of their sizes. Half edges are off by 4.1 u of their sizes. The
-    /// sum of seven products is rounded six times: 26 u in all, taken as 28. The center is off by
-    /// 6.2 u of the extent, for which a quarter of it is in the total (u = 2^-53).
+    /// Returns the product of two half edges, which is perpendicular to both.
     #[inline]
-    fn slab(&self, [one, other]: [usize; 2]) -> Slab {
+    fn normal(&self, [one, other]: [usize; 2]) -> Vector {
         let edges = self.differences.edges();
-        let normal = cross(&edges[one], &edges[other]);
-        let reach: f64 = edges.iter().map(|edge| dot(edge, &normal).abs()).sum();
-        let off = self.off(one, other);
-        let height = reach - dot(&self.differences.between, &normal).abs();
-        Slab { normal, height, error: off * self.total, off }
+        cross(&edges[one], &edges[other])
     }
 
-    /// Returns a bound on the distance of a computed normal from the exact product of two half
-    /// edges. Times the total of the sizes, it bounds the error of a height along the normal.
+    /// Returns the height of the set along the product of two half edges: the reach of all half
+    /// edges less that of the center, times the length of the product.
+    fn height(&self, pair: [usize; 2], edges: &[Vector]) -> f64 {
+        let normal = self.normal(pair);
+        let reach: f64 = edges.iter().map(|edge| dot(edge, &normal).abs()).sum();
+        reach - dot(&self.differences.between, &normal).abs()
+    }
+
+    /// Returns a bound on the distance of a computed product of two half edges from the exact one.
+    /// Times the total of the sizes, it bounds the error of a height along the product.
+    ///
+    /// A product of three half edges, or of two and the center, has an error of at most 7.5 u of
+    /// the product of their sizes. Half edges are off by 4.1 u of their sizes. The sum of seven
+    /// products is rounded six times: 26 u in all, taken as 28. The center is off by 6.2 u of the
+    /// extent, for which a quarter of it is in the total (u = 2^-53).
     #[inline]
-    fn off(&self, one: usize, other: usize) -> f64 {
+    fn off(&self, [one, other]: [usize; 2]) -> f64 {
         28.0 * UNIT_ROUNDOFF * self.sizes[one] * self.sizes[other]
     }
 
@@ -273,7 +256,8 @@ impl<'d> Slabs<'d> {
     /// Returns a point of each core, relative to the translation of A, such that their difference
     /// is `depth` along the normal of the nearest facet. The corner along the normal is known.
     /// Along the half edges perpendicular to it, the points move until they are over each other.
-    /// Returns `None` if they do not get there.
+    /// Two such half edges have one solution, and more of them are moved in turn. Returns `None` if
+    /// the points do not get there.
     fn points(&self, normal: &Vector, depth: f64) -> Option<[Vector; 2]> {
         let edges = self.differences.edges();
         let (mut shares, mut free) = ([0.0_f64; 6], [false; 6]);
@@ -286,6 +270,12 @@ impl<'d> Slabs<'d> {
                 shares[at] = -along.signum();
                 rest = std::array::from_fn(|k| rest[k] + shares[at] * edge[k]);
             }
+        }
+        let mut perpendicular = (0..edges.len()).filter(|&at| free[at]);
+        if let (Some(i), Some(j), None) = (perpendicular.next(), perpendicular.next(), perpendicular.next()) {
+            let moves = solve(&edges[i], &edges[j], &rest).map(|share| share.clamp(-1.0, 1.0));
+            (shares[i], shares[j]) = (moves[0], moves[1]);
+            rest = std::array::from_fn(|k| rest[k] + moves[0] * edges[i][k] + moves[1] * edges[j][k]);
         }
         let max_error = MAX_POINT_ERROR * self.differences.extent;
         for _ in 0..MAX_SWEEPS {
@@ -303,6 +293,16 @@ impl<'d> Slabs<'d> {
         }
         (length(&rest) <= max_error).then(|| self.differences.points(&shares))
     }
+}
+
+/// Returns the multiples of two vectors whose sum is nearest to the opposite of a third, or zeros if
+/// the two are parallel.
+fn solve(u: &Vector, v: &Vector, rest: &Vector) -> [f64; 2] {
+    let (uu, uv, vv) = (dot(u, u), dot(u, v), dot(v, v));
+    let (along_u, along_v) = (dot(u, rest), dot(v, rest));
+    let determinant = uu * vv - uv * uv;
+    let shares = [uv * along_v - vv * along_u, uv * along_u - uu * along_v];
+    if determinant > 0.0 { shares.map(|share| share / determinant) } else { [0.0; 2] }
 }
 
 /// Returns the sum, over the axes, of the magnitudes of the terms of a segment's half edge, or
