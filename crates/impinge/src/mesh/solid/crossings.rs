@@ -54,6 +54,12 @@ impl PackedPoint {
         }
     }
 
+    /// Reports whether the point is proved to be outside of the mesh's
+    /// [bounds](Mesh::packed_bounds).
+    pub(crate) fn is_beyond(&self, bounds: &Aabb) -> bool {
+        are_apart(&self.interval, bounds)
+    }
+
     /// Returns the six rays along the axes of the mesh's frame, sorted by their length within the
     /// mesh's [bounds](Mesh::packed_bounds), the shortest first.
     pub(crate) fn rays_by_length(&self, bounds: &Aabb) -> [AxisRay; 6] {
@@ -77,6 +83,11 @@ impl PackedPoint {
         }
         bounds
     }
+}
+
+/// Reports whether two boxes are apart. Comparisons with NaN prove nothing.
+pub(super) fn are_apart(a: &Aabb, b: &Aabb) -> bool {
+    (0..3).any(|k| a.min[k] > b.max[k] || a.max[k] < b.min[k])
 }
 
 impl Mesh {

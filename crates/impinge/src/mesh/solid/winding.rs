@@ -23,7 +23,7 @@
 
 use rayon::prelude::*;
 
-use super::crossings::{Crossings, PackedPoint};
+use super::crossings::{Crossings, PackedPoint, are_apart};
 use super::solid_angle::{AngleSum, Bounded, Direction};
 use crate::exact::{AxisRay, PosedPoint, Spot};
 use crate::input::{InputError, InputErrorKind};
@@ -221,6 +221,9 @@ impl<'m> PointClassifier<'m> {
     /// Returns the position of a point relative to the mesh taken as a solid.
     pub(crate) fn containment(&mut self, point: &PosedPoint<'_>) -> Containment {
         let packed = PackedPoint::new(self.mesh, point);
+        if self.is_far_out(&packed) {
+            return Containment::Outside;
+        }
         let rays = packed.rays_by_length(&self.bounds);
         let cap = self.mesh.cap();
         let clear = rays.into_iter().find(|&ray| cap.is_clear_of(point, ray));
@@ -242,10 +245,14 @@ impl<'m> PointClassifier<'m> {
 
     /// Returns the faces that hold a point and the crossings of a ray from it.
     fn crossings(&mut self, point: &PosedPoint<'_>, packed: &PackedPoint, ray: AxisRay) -> Crossings {
-        let (bounds, reach) = (&self.bounds, packed.reach(ray));
-        // Comparisons with NaN prove nothing.
-        let is_apart = (0..3).any(|k| reach.min[k] > bounds.max[k] || reach.max[k] < bounds.min[k]);
+        let is_apart = are_apart(&packed.reach(ray), &self.bounds);
         if is_apart { Crossings::default() } else { self.mesh.crossings(point, packed, ray, &mut self.stack) }
+    }
+
+    /// Reports whether a point is proved to be outside of the bounds of a closed mesh. The ray from
+    /// it that leads away from the mesh crosses nothing, so the winding number is zero.
+    fn is_far_out(&self, point: &PackedPoint) -> bool {
+        point.is_beyond(&self.bounds) && self.mesh.topology().border.is_empty()
     }
 
     fn has_long_border(&self) -> bool {
@@ -270,6 +277,9 @@ impl<'m> PointClassifier<'m> {
         let topology = self.mesh.topology();
         let mut best: Option<(i64, Bounded)> = None;
         let packed = PackedPoint::new(self.mesh, point);
+        if self.is_far_out(&packed) {
+            return WindingNumber::exactly(0);
+        }
         for ray in packed.rays_by_length(&self.bounds) {
             let crossings = self.crossings(point, &packed, ray);
             let merged;
