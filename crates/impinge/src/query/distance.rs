@@ -124,7 +124,8 @@ impl Query<'_> {
     /// points, as [`distance`] does.
     #[must_use]
     pub fn distance<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Distance {
-        let (a, b) = (a.into(), b.into());
+        let a = a.into();
+        let b = b.into();
         let Some([a, b]) = meshes(&a, &b) else {
             return table::separation(&a.shape(), &b.shape(), self.options.budget).into();
         };
@@ -144,7 +145,8 @@ impl Query<'_> {
     /// this is undecided, as [`nearness`] does.
     #[must_use]
     pub fn nearness<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>, clearance: f64) -> Proximity {
-        let (a, b) = (a.into(), b.into());
+        let a = a.into();
+        let b = b.into();
         if clearance.is_nan() || clearance < 0.0 {
             return Proximity::Apart;
         }
@@ -157,7 +159,8 @@ impl Query<'_> {
     /// Returns [`nearness`](Self::nearness) of two things that are not both meshes. `clearance`
     /// must not be negative or NaN.
     pub(super) fn nearness_of_shapes(self, a: &Placed<'_>, b: &Placed<'_>, clearance: f64) -> Proximity {
-        let (a, b) = (a.shape(), b.shape());
+        let a = a.shape();
+        let b = b.shape();
         match self.cache {
             Some(cache) => shapes::nearness_from(&a, &b, clearance, &mut cache.coherence, self.options.budget),
             None => shapes::nearness(&a, &b, clearance, self.options.budget),

@@ -69,7 +69,8 @@ impl Query<'_> {
     /// [`proximity`] does. Touching counts.
     #[must_use]
     pub fn proximity<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Proximity {
-        let (a, b) = (a.into(), b.into());
+        let a = a.into();
+        let b = b.into();
         let Some([a, b]) = meshes(&a, &b) else { return self.nearness_of_shapes(&a, &b, 0.0) };
         let mut last_hit = LastHit::default();
         let last_hit = self.cache.map_or(&mut last_hit, |cache| &mut cache.last_hit);

@@ -144,13 +144,15 @@ impl Query<'_> {
     /// the search, the bounds are wider.
     #[must_use]
     pub fn penetration<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Option<Penetration> {
-        let (a, b) = (a.into(), b.into());
+        let a = a.into();
+        let b = b.into();
         let (a, b) = (solid(&a), solid(&b));
         let budget = self.options.budget;
         if Query::new().with_budget(budget).proximity(&a, &b) == Proximity::Apart {
             return None;
         }
-        let (a, b) = (a.shape(), b.shape());
+        let a = a.shape();
+        let b = b.shape();
         Some(table::depth(&a, &b).unwrap_or_else(|| search::depth_by_search(&a, &b, budget)).into())
     }
 
@@ -158,7 +160,8 @@ impl Query<'_> {
     /// `Undecided` unless an intersection of the interiors is proved.
     #[must_use]
     pub fn penetrates<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Penetrates {
-        let (a, b) = (a.into(), b.into());
+        let a = a.into();
+        let b = b.into();
         let (a, b) = (solid(&a), solid(&b));
         if let Some([a, b]) = meshes(&a, &b) {
             let budget = self.options.budget;

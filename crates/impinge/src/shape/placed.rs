@@ -63,9 +63,11 @@ impl Shape {
             _ => None,
         };
         let mut placed = PlacedShape { kind: self.0.clone(), stand: Stand::at(world_from_local), parts };
-        match placed.stand_at(&world_from_local)? {
-            Some(stand) => placed.stand = stand,
-            None => placed.stand.bounds = Bounds::of(placed.world_bounds()),
+        if placed.parts.is_some() {
+            placed.stand.bounds = Bounds::of(placed.world_bounds());
+        } else {
+            placed.stand.radius = placed.images_of_radius_at(&world_from_local)?;
+            placed.stand.bounds = placed.bounds_at(&placed.stand);
         }
         Ok(placed)
     }
@@ -137,14 +139,19 @@ impl PlacedShape {
     /// # Errors
     /// As for [`Shape::at`].
     pub(crate) fn write_stand(&self, world_from_local: &Pose, stand: &mut Stand) -> Result<bool, InputError> {
-        stand.radius = match &self.kind {
-            Kind::Compound(_) => return Ok(false),
-            Kind::Round { radius, .. } => self.images_of_radius_at(*radius, world_from_local)?,
-            Kind::Polytope(_) | Kind::HalfSpace { .. } | Kind::Field(_) | Kind::Mesh { .. } => [0.0; 2],
-        };
+        if self.parts.is_some() {
+            return Ok(false);
+        }
+        stand.radius = self.images_of_radius_at(world_from_local)?;
         stand.world_from_local = *world_from_local;
         stand.bounds = Bounds::Unknown;
-        stand.bounds = match self.form_at(stand) {
+        stand.bounds = self.bounds_at(stand);
+        Ok(true)
+    }
+
+    /// Returns the bounds of a part at a pose, of which only the bounds are not known yet.
+    fn bounds_at(&self, stand: &Stand) -> Bounds {
+        match self.form_at(stand) {
             Form::Convex(swept) => Bounds::Box(swept.world_bounds()),
             Form::Surface(surface) => Bounds::of(surface.world_bounds()),
             Form::Field(field) => Bounds::of(field.world_bounds()),
@@ -152,15 +159,16 @@ impl PlacedShape {
                 let (direction, _, level) = plane.rounded();
                 Bounds::Plane(direction, level)
             }
-        };
-        Ok(true)
+        }
     }
 
-    /// Returns [`images_of_radius`]. They depend on the linear part of the pose alone, and are
-    /// known if it does not change. A shape that is not placed yet has no radius.
-    fn images_of_radius_at(&self, radius: f64, pose: &Pose) -> Result<[f64; 2], InputError> {
+    /// Returns [`images_of_radius`], or zeros if the part has no radius. They depend on the linear
+    /// part of the pose alone, and are known if it does not change. A shape that is not placed yet
+    /// has no radius.
+    fn images_of_radius_at(&self, pose: &Pose) -> Result<[f64; 2], InputError> {
+        let Kind::Round { radius, .. } = &self.kind else { return Ok([0.0; 2]) };
         let is_known = self.stand.radius[1] > 0.0 && self.stand.world_from_local.linear() == pose.linear();
-        if is_known { Ok(self.stand.radius) } else { images_of_radius(radius, pose) }
+        if is_known { Ok(self.stand.radius) } else { images_of_radius(*radius, pose) }
     }
 
     /// Moves the shape to a pose whose values [`write_stand`](Self::write_stand) wrote, and exchanges

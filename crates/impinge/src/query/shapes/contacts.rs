@@ -110,7 +110,8 @@ impl Query<'_> {
     /// [`with_contacts`](Self::with_contacts).
     #[must_use]
     pub fn contacts<'a, 'b>(self, a: impl Into<Placed<'a>>, b: impl Into<Placed<'b>>) -> Vec<Manifold> {
-        let (a, b) = (a.into(), b.into());
+        let a = a.into();
+        let b = b.into();
         let found = contacts_within(&a.shape(), &b.shape(), self.contacts.margin.max(0.0), self.options.budget);
         self.manifolds(found)
     }
