@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from impinge.cluster import Cluster
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, init=False)
 class Contacts:
     """Contacts of two shapes, one for each row: a point on each shape, and a common normal.
 
@@ -52,6 +52,30 @@ class Contacts:
     point_b: NDArray[np.float64]
     manifold: NDArray[np.int64]
     ids: NDArray[np.uint32]
+
+    def __init__(
+        self,
+        normal: NDArray[np.float64],
+        depth: NDArray[np.float64],
+        lower: NDArray[np.float64],
+        upper: NDArray[np.float64],
+        point_a: NDArray[np.float64],
+        point_b: NDArray[np.float64],
+        manifold: NDArray[np.int64],
+        ids: NDArray[np.uint32],
+    ) -> None:
+        # The constructor of a frozen dataclass sets one field after the other, which takes twice as
+        # long.
+        vars(self).update(
+            normal=normal,
+            depth=depth,
+            lower=lower,
+            upper=upper,
+            point_a=point_a,
+            point_b=point_b,
+            manifold=manifold,
+            ids=ids,
+        )
 
     def __len__(self) -> int:
         """Return the number of contacts."""

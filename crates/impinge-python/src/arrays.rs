@@ -1,7 +1,9 @@
 //! NumPy arrays as arguments and results.
 
-use numpy::{Element, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::ndarray::{ArrayD, ArrayViewD};
+use numpy::{Element, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
@@ -52,15 +54,18 @@ pub(crate) fn plain_column<T: Element + Copy>(value: &Bound<'_, PyAny>) -> PyRes
     Ok(plain.cast::<PyArrayDyn<T>>()?.readonly().as_slice()?.to_vec())
 }
 
+/// Maximum number of values that are copied to the memory of a new NumPy array. More values keep
+/// their memory, for which an array needs a second object.
+const MAX_COPIED: usize = 256;
+
 /// Returns a NumPy array of these values, with axes of the lengths in `shape`.
 pub(crate) fn array<'py, T: Element>(py: Python<'py>, values: Vec<T>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
-    let count = values.len();
-    let flat = PyArray1::from_vec(py, values);
-    // One axis, for example of the point of a single answer, needs no second array object.
-    if shape == [count] {
-        return Ok(flat.into_any());
-    }
-    Ok(flat.reshape(shape.to_vec())?.into_any())
+    let made = if values.len() <= MAX_COPIED {
+        ArrayViewD::from_shape(shape, &values).map(|view| PyArrayDyn::from_array(py, &view))
+    } else {
+        ArrayD::from_shape_vec(shape, values).map(|owned| PyArrayDyn::from_owned_array(py, owned))
+    };
+    made.map(Bound::into_any).map_err(|error| PyValueError::new_err(error.to_string()))
 }
 
 /// Returns the only value if `shape` is empty, or an array with axes of the lengths in `shape`.
