@@ -35,6 +35,17 @@ impl NarrowPhase {
         }
     }
 
+    /// Returns the maximum number of pairs of convex bodies that stay on the caller's thread.
+    pub(super) fn max_alone(self) -> usize {
+        match self {
+            Self::Boxes => 4096,
+            // Fractions of a microsecond for each pair.
+            Self::Intersections => 256,
+            // One to some ten microseconds.
+            Self::Contacts => 128,
+        }
+    }
+
     /// Computes the result for two bodies. Returns `None` if they are farther apart than `margin`.
     /// The caller must discard the result if the budget ended the query.
     pub(super) fn examine(self, a: &Placed, b: &Placed, margin: f64, budget: &Budget<'_>) -> Option<Meeting> {

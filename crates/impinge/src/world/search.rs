@@ -12,11 +12,23 @@ use crate::storage::{TryPush, try_concat};
 
 /// Minimum number of bodies or pairs per parallel task. With fewer, starting a task costs more than
 /// it saves.
-pub(super) const MIN_TASK: usize = 64;
+const MIN_TASK: usize = 64;
 
-/// Maximum number of bodies of a step that stays on the caller's thread. More would take longer
-/// there than it takes to wake other threads: some ten microseconds.
-pub(super) const MAX_ALONE: usize = 128;
+/// Maximum number of bodies of a step that moves and compares boxes on the caller's thread. Other
+/// threads take up to a tenth of a millisecond to wake, and so many bodies take twice as long.
+pub(super) const MAX_ALONE: usize = 512;
+
+/// Reports whether a loop over `count` items stays on the caller's thread: if there are at most
+/// `max_alone`, or if there is only one thread, which would have to wake.
+pub(super) fn is_alone(count: usize, max_alone: usize) -> bool {
+    count <= max_alone || rayon::current_num_threads() == 1
+}
+
+/// Returns the minimum number of items per parallel task of a loop over `count` bodies or pairs of
+/// bodies.
+pub(super) fn min_task(count: usize) -> usize {
+    if is_alone(count, MAX_ALONE) { count.max(1) } else { MIN_TASK }
+}
 
 /// The candidate pairs of which a body changed.
 #[derive(Debug, Default)]
@@ -50,8 +62,8 @@ impl World {
             }
             Ok(candidates)
         };
-        let task = if changed.len() <= MAX_ALONE { MAX_ALONE } else { MIN_TASK };
-        let chunks: Vec<Candidates> = changed.par_chunks(task).map(of_chunk).collect::<Result<_, _>>()?;
+        let chunks: Vec<Candidates> =
+            changed.par_chunks(min_task(changed.len())).map(of_chunk).collect::<Result<_, _>>()?;
         let known = match known {
             KnownPairs::Nothing => &[],
             KnownPairs::Changes(changes) => changes.began(),
@@ -75,7 +87,8 @@ impl World {
         let mut found = try_concat(found)?;
         found.par_sort_unstable();
         found.dedup();
-        found.par_iter_mut().with_min_len(MIN_TASK).for_each(|pair| {
+        let task = min_task(found.len());
+        found.par_iter_mut().with_min_len(task).for_each(|pair| {
             if self.is_before(pair[1], pair[0]) {
                 pair.swap(0, 1);
             }

@@ -11,7 +11,7 @@ use super::events::{Events, Work};
 use super::narrow::{Meeting, NarrowPhase};
 use super::other::{Other, Taken};
 use super::outline::Bounds;
-use super::search::{Candidates, MAX_ALONE, MIN_TASK};
+use super::search::{Candidates, MAX_ALONE, is_alone, min_task};
 use super::{Change, State, World, refused};
 use crate::budget::{Budget, Stopped};
 use crate::math::Pose;
@@ -21,6 +21,10 @@ use crate::simd::prefetch;
 /// Number of bodies whose memory is prefetched together. A processor loads about this number of
 /// places at the same time, and they stay in its first caches until they are used.
 const PREFETCH_BATCH: usize = 16;
+
+/// Maximum number of bodies of a step that are not prefetched, because they mostly stay in the
+/// caches.
+const MAX_CACHED: usize = 128;
 
 /// The phases of a step, for measuring them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -112,10 +116,10 @@ impl World {
         budget: &Budget<'_>,
         observe: &mut (dyn FnMut(Phase) + Send),
     ) -> Result<&Events, WorldError> {
-        if moves.len() > MAX_ALONE {
-            rayon::scope(|_| self.advance(moves, budget, observe))?;
-        } else {
+        if is_alone(moves.len(), MAX_ALONE) {
             self.advance(moves, budget, observe)?;
+        } else {
+            rayon::scope(|_| self.advance(moves, budget, observe))?;
         }
         Ok(&self.state.events)
     }
@@ -172,8 +176,7 @@ impl World {
     /// Validates all moves, and writes the placements of the bodies in their new poses.
     fn validate(&self, moves: &[(BodyId, Pose)], others: &mut [Other], budget: &Budget<'_>) -> Result<(), WorldError> {
         let refused: Mutex<Option<(usize, WorldError)>> = Mutex::new(None);
-        let is_large = moves.len() > MAX_ALONE;
-        let task = if is_large { MIN_TASK } else { MAX_ALONE };
+        let (is_large, task) = (moves.len() > MAX_CACHED, min_task(moves.len()));
         moves.par_iter().zip(others).enumerate().with_min_len(task).for_each(|(at, ((body, pose), other))| {
             if is_large && at % PREFETCH_BATCH == 0 {
                 let [now, after] = [at, at + PREFETCH_BATCH].map(|first| &moves[moves.len().min(first)..]);
@@ -219,7 +222,7 @@ impl World {
     fn take(&mut self, taken: &mut Taken<'_>, budget: &Budget<'_>) -> Result<KnownPairs, Stopped> {
         let state = &mut self.state;
         let (mut moving, mut guided) = (Vec::with_capacity(taken.order.len()), Vec::new());
-        let is_large = taken.order.len() > MAX_ALONE;
+        let is_large = taken.order.len() > MAX_CACHED;
         for (nth, &(body, at)) in taken.order.iter().enumerate() {
             if is_large && let Some(&(ahead, _)) = taken.order.get(nth + PREFETCH_BATCH) {
                 state.residents.prefetch(ahead);
@@ -294,8 +297,9 @@ impl World {
         let mut pairs = kept.chain(candidates.found.iter().copied());
         let is_quick = |place: u32| self.state.residents.at(place).is_none_or(|(_, body)| body.placed.is_quick());
         let count = candidates.kept.len() + candidates.found.len();
-        let is_alone = count <= MAX_ALONE && pairs.all(|bodies| bodies.into_iter().all(is_quick));
-        if is_alone { MAX_ALONE } else { self.options.narrow_phase.min_task() }
+        let narrow_phase = self.options.narrow_phase;
+        let stays = is_alone(count, narrow_phase.max_alone()) && pairs.all(|bodies| bodies.into_iter().all(is_quick));
+        if stays { count.max(1) } else { narrow_phase.min_task() }
     }
 
     /// Runs the narrow phase for two bodies.
