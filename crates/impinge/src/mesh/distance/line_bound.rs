@@ -59,19 +59,10 @@ impl LineBound {
         Line { middles, between, along, squared: dot(&between, &between), reaches, slack: self.slack }
     }
 
-    /// Returns the part of the line between the centers of two boxes that is between the boxes. If
-    /// it is not longer than `cut`, in metric units, returns the part between the boxes along the
-    /// normal of the host's slab.
-    #[inline(always)]
-    pub(super) fn remainder(&self, line: &Line, slabs: &[Slab; 2], cut: f64) -> Remainder {
-        let remainder = line.less(&line.reaches);
-        if remainder.is_longer(cut) { remainder } else { self.along_normal(line, slabs, cut) }
-    }
-
     /// Returns the part between two parts of the meshes along the normal of the host's slab, or
     /// zero if it is certainly not longer than `cut`.
     #[inline(always)]
-    fn along_normal(&self, line: &Line, slabs: &[Slab; 2], cut: f64) -> Remainder {
+    pub(super) fn along_normal(&self, line: &Line, slabs: &[Slab; 2], cut: f64) -> Remainder {
         let [of_host, of_guest] = &self.frames;
         let normal = of_host.turn(&slabs[0].normal);
         let (between, squared) = (dot(&line.between, &normal), dot(&normal, &normal));
@@ -142,6 +133,12 @@ pub(super) struct Line {
 }
 
 impl Line {
+    /// Returns the part of the line that is between the two boxes.
+    #[inline(always)]
+    pub(super) fn remainder(&self) -> Remainder {
+        self.less(&self.reaches)
+    }
+
     /// Returns the part of the line that is between two parts with slabs, which shorten their
     /// reaches.
     #[inline(always)]
@@ -169,19 +166,14 @@ pub(super) struct Remainder {
 }
 
 impl Remainder {
-    /// Reports whether the triangles of the parts are proved to be farther apart than `cut`, in
-    /// metric units.
+    /// Returns a lower bound of the distance of the triangles of the parts if they are proved to be
+    /// farther apart than `cut`, both in metric units.
     #[inline(always)]
-    pub(super) fn is_longer(self, cut: f64) -> bool {
+    pub(super) fn if_longer(self, cut: f64) -> Option<f64> {
         let (left, cut) = (self.times_length, cut + self.slack);
         // Comparisons with NaN prove nothing.
-        left > 0.0 && left * left > cut * cut * self.squared * (1.0 + 1e-12)
-    }
-
-    /// Returns a lower bound of the distance of the triangles of the parts, in metric units.
-    #[inline(always)]
-    pub(super) fn length(self) -> f64 {
-        self.times_length / self.squared.sqrt() * (1.0 - 1e-12) - self.slack
+        let is_longer = left > 0.0 && left * left > cut * cut * self.squared * (1.0 + 1e-12);
+        is_longer.then(|| left / self.squared.sqrt() * (1.0 - 1e-12) - self.slack)
     }
 }
 
@@ -296,9 +288,10 @@ mod tests {
                 let truth = a.iter().flat_map(|a| b.iter().map(move |b| triangle_triangle(a, b).squared));
                 let truth = truth.fold(f64::INFINITY, f64::min).sqrt();
                 let found = bound.along_normal(&line, &slabs, 0.0);
-                assert!(found.length() <= truth, "round {round}: {} above {truth}", found.length());
-                proved += usize::from(found.is_longer(0.75 * truth));
-                by_boxes += usize::from(line.less(&line.reaches).is_longer(0.75 * truth));
+                let lower = found.if_longer(0.0);
+                assert!(lower.is_none_or(|lower| lower <= truth), "round {round}: {lower:?} above {truth}");
+                proved += usize::from(found.if_longer(0.75 * truth).is_some());
+                by_boxes += usize::from(line.remainder().if_longer(0.75 * truth).is_some());
             }
         }
         assert!(proved > 500 && by_boxes < 100, "{proved} {by_boxes}");

@@ -24,7 +24,7 @@ use super::task::{Sorted, Task};
 use super::warm_start::WarmStart;
 use crate::exact::Placement;
 use crate::hierarchy::{Child, Node, lanes_in_use};
-use crate::mesh::storage::packet::{Packet, Packets};
+use crate::mesh::storage::packet::Packets;
 use crate::mesh::{Options, PlacedMesh};
 use crate::simd::{LANES, Level, bits, by_axis, dispatch, outlined};
 use crate::volume::Aabb;
@@ -193,27 +193,27 @@ impl<'a> Search<'a> {
                 continue;
             }
             let [host, guest] = task.slots;
-            let (host_node, guest_node) =
-                (&self.nodes[HOST][host.node as usize], &self.nodes[GUEST][guest.node as usize]);
-            let (host_lane, guest_lane) = (usize::from(host.lane), usize::from(guest.lane));
+            let at = |side: usize, slot: Slot| (&self.nodes[side][slot.node as usize], usize::from(slot.lane));
+            let ((host_node, host_lane), (guest_node, guest_lane)) = (at(HOST, host), at(GUEST, guest));
             let line = self.line_bound.line(&host_node.lane_bounds(host_lane), &guest_node.lane_bounds(guest_lane));
+            if let Some(length) = line.remainder().if_longer(cut) {
+                self.raise::<KEEPS>(&task, length);
+                continue;
+            }
             let children = [host_node.child(host_lane), guest_node.child(guest_lane)];
             let slabs = Slab::of_both(simd, &children, &self.nodes, &self.packets);
-            let remainder = self.line_bound.remainder(&line, &slabs, cut);
-            if remainder.is_longer(cut) {
-                self.raise::<KEEPS>(&task, remainder.length());
+            if let Some(length) = self.line_bound.along_normal(&line, &slabs, cut).if_longer(cut) {
+                self.raise::<KEEPS>(&task, length);
                 continue;
             }
             let entries = self.entries();
             // The node to open, if not both.
             let one = match children {
                 [Child::Leaf(host), Child::Leaf(guest)] => {
-                    let remainder = line.remainder_in_slabs(&slabs);
-                    if remainder.is_longer(cut) {
-                        self.raise::<KEEPS>(&task, remainder.length());
+                    if let Some(length) = line.remainder_in_slabs(&slabs).if_longer(cut) {
+                        self.raise::<KEEPS>(&task, length);
                     } else {
-                        let packets = [self.packets[HOST].get(simd, host), self.packets[GUEST].get(simd, guest)];
-                        let least = self.process_leaves::<S, KEEPS>(simd, [host, guest], &packets)?;
+                        let least = self.process_leaves::<S, KEEPS>(simd, [host, guest])?;
                         self.leaf_pairs += 1;
                         self.raise::<KEEPS>(&task, f64::from(least));
                     }
@@ -250,17 +250,13 @@ impl<'a> Search<'a> {
 
     /// Compares the triangles of two leaves. Returns a lower bound of their metric distances.
     #[inline(always)]
-    fn process_leaves<S: Simd, const KEEPS: bool>(
-        &mut self,
-        simd: S,
-        leaves: [u32; 2],
-        packets: &[Packet<'_>; 2],
-    ) -> ControlFlow<(), f32> {
+    fn process_leaves<S: Simd, const KEEPS: bool>(&mut self, simd: S, leaves: [u32; 2]) -> ControlFlow<(), f32> {
+        let packets = [self.packets[HOST].get(simd, leaves[HOST]), self.packets[GUEST].get(simd, leaves[GUEST])];
         // Bounds that a frontier keeps are computed beyond the distance that matters.
         let beyond = if KEEPS { self.frontier.as_ref().map_or(1.0, Frontier::beyond) } else { 1.0 };
         let Self { scene, answer, leaves: cached, direction_bounds, .. } = self;
         let progress = Progress { answer, leaves: cached, direction_bounds, beyond };
-        process_leaves::<S, KEEPS>(simd, scene, leaves, packets, progress)
+        process_leaves::<S, KEEPS>(simd, scene, leaves, &packets, progress)
     }
 
     #[inline(always)]
