@@ -15,7 +15,8 @@ use crate::storage::{TryPush, try_concat};
 const MIN_TASK: usize = 64;
 
 /// Maximum number of bodies of a step that moves and compares boxes on the caller's thread. Other
-/// threads take up to a tenth of a millisecond to wake, and so many bodies take twice as long.
+/// threads take up to a tenth of a millisecond to wake, and this number of bodies takes twice as
+/// long.
 pub(super) const MAX_ALONE: usize = 512;
 
 /// Reports whether a loop over `count` items stays on the caller's thread: if there are at most

@@ -4,8 +4,8 @@
 //! `cargo run --release -p impinge-bench --features peers --bin small_worlds`
 //!
 //! rapier3d detects collisions without dynamics. A step of either moves all bodies and keeps the
-//! pairs that intersect, or their contacts. The pairs of impinge must be those of the queries of two
-//! shapes. rapier3d computes in single precision, so a few of its pairs may differ.
+//! pairs that intersect, or their contacts. The pairs of impinge must be those of the queries of
+//! two shapes. rapier3d computes in single precision, so a few of its pairs may differ.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "what a benchmark prints is what it is for")]

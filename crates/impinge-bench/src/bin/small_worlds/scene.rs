@@ -54,8 +54,8 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Returns the pairs of bodies that intersect in a variant, in ascending order, by comparing all
-    /// of them.
+    /// Returns the pairs of bodies that intersect in a variant, in ascending order, by comparing
+    /// all of them.
     pub(crate) fn pairs(&self, variant: usize) -> Result<Vec<[usize; 2]>> {
         let place = |((shape, _), (pose, _)): (&(Shape, SharedShape), &(Pose, RapierPose))| shape.at(*pose);
         let placed: Vec<_> = self.shapes.iter().zip(&self.poses[variant]).map(place).collect::<Result<_, _>>()?;

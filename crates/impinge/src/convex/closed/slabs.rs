@@ -295,8 +295,8 @@ impl<'d> Slabs<'d> {
     }
 }
 
-/// Returns the multiples of two vectors whose sum is nearest to the opposite of a third, or zeros if
-/// the two are parallel.
+/// Returns the multiples of two vectors whose sum is nearest to the opposite of a third, or zeros
+/// if the two are parallel.
 fn solve(u: &Vector, v: &Vector, rest: &Vector) -> [f64; 2] {
     let (uu, uv, vv) = (dot(u, u), dot(u, v), dot(v, v));
     let (along_u, along_v) = (dot(u, rest), dot(v, rest));
