@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from impinge.cluster import Cluster
 
 
-@dataclass(frozen=True, eq=False, repr=False, init=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Contacts:
     """Contacts of two shapes, one for each row: a point on each shape, and a common normal.
 
@@ -52,30 +52,6 @@ class Contacts:
     point_b: NDArray[np.float64]
     manifold: NDArray[np.int64]
     ids: NDArray[np.uint32]
-
-    def __init__(
-        self,
-        normal: NDArray[np.float64],
-        depth: NDArray[np.float64],
-        lower: NDArray[np.float64],
-        upper: NDArray[np.float64],
-        point_a: NDArray[np.float64],
-        point_b: NDArray[np.float64],
-        manifold: NDArray[np.int64],
-        ids: NDArray[np.uint32],
-    ) -> None:
-        # The constructor of a frozen dataclass sets one field after the other, which takes twice as
-        # long.
-        vars(self).update(
-            normal=normal,
-            depth=depth,
-            lower=lower,
-            upper=upper,
-            point_a=point_a,
-            point_b=point_b,
-            manifold=manifold,
-            ids=ids,
-        )
 
     def __len__(self) -> int:
         """Return the number of contacts."""
@@ -149,7 +125,19 @@ def contact_rows(offsets: NDArray[np.int64], columns: Any, shape: tuple[int, ...
 
 def _contacts_of(columns: Any) -> Contacts:
     manifold, normal, point_a, point_b, lower, upper, ids = columns
-    return Contacts(normal, upper, lower, upper, point_a, point_b, manifold, ids)
+    contacts = object.__new__(Contacts)
+    # The constructor of a frozen dataclass sets its fields one by one, which takes twice as long.
+    vars(contacts).update(
+        normal=normal,
+        depth=upper,
+        lower=lower,
+        upper=upper,
+        point_a=point_a,
+        point_b=point_b,
+        manifold=manifold,
+        ids=ids,
+    )
+    return contacts
 
 
 @overload
