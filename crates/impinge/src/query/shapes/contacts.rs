@@ -4,7 +4,7 @@ use super::fields::{Field, crop_around, crop_near, crops_near, rename, surface_o
 use super::seams::{Member, OfParts, Surroundings, across_seams, remove_buried};
 use super::search::depth_by_search;
 use super::surfaces::surface_of;
-use super::table::{gap_of_boxes, nearness_of_parts, pairs_near};
+use super::table::{are_boxes_farther, nearness_of_parts, pairs_near};
 use crate::budget::Budget;
 pub use crate::convex::Feature;
 use crate::convex::{self, Contact, Contacts, Depth, Surface, to_unit_length as unit};
@@ -133,7 +133,7 @@ impl Query<'_> {
 fn contacts_within(a: &PlacedShape, b: &PlacedShape, margin: f64, budget: &Budget<'_>) -> Vec<OfParts> {
     if let ([a], [b]) = (a.parts(), b.parts())
         && (budget.is_spent()
-            || gap_of_boxes(a, b) > margin
+            || are_boxes_farther(a, b, margin)
             || nearness_of_parts(a, b, margin, budget) == Proximity::Apart)
     {
         return Vec::new();

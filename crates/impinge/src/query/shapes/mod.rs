@@ -46,7 +46,7 @@ pub(super) fn nearness_from(
         && clearance <= MAX_CLEARANCE
     {
         // The same test as without a cache, so that the answer is the same.
-        let is_far = table::gap_of_boxes(part_a, part_b) > clearance;
+        let is_far = table::are_boxes_farther(part_a, part_b, clearance);
         return if is_far { Proximity::Apart } else { convex::nearness_from(&a, &b, clearance, known) };
     }
     nearness(a, b, clearance, budget)

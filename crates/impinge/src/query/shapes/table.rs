@@ -14,7 +14,7 @@ use crate::shape::{Form, PlacedShape};
 /// negative. The answer is undecided if the budget ends the query.
 pub(in crate::query) fn nearness(a: &PlacedShape, b: &PlacedShape, clearance: f64, budget: &Budget<'_>) -> Proximity {
     if let ([a], [b]) = (a.parts(), b.parts()) {
-        let is_far = gap_of_boxes(a, b) > clearance;
+        let is_far = are_boxes_farther(a, b, clearance);
         return if is_far { Proximity::Apart } else { nearness_of_parts(a, b, clearance, budget) };
     }
     let mut answer = Proximity::Apart;
@@ -180,6 +180,16 @@ fn near_pair(a: &PlacedShape, b: &PlacedShape) -> Option<[u32; 2]> {
     };
     let point = a.parts()[number_a as usize].bounds().map(middle)?;
     Some([number_a, b.part_nearest(point).unwrap_or(0)])
+}
+
+/// Reports whether the gap between the boxes of two parts proves them farther apart than
+/// `clearance`, which must not be negative.
+#[inline]
+pub(super) fn are_boxes_farther(a: &PlacedShape, b: &PlacedShape, clearance: f64) -> bool {
+    let (Some([min_a, max_a]), Some([min_b, max_b])) = (a.bounds(), b.bounds()) else { return false };
+    // The differences are rounded.
+    let least = clearance.next_up();
+    (0..3).any(|k| min_b[k] - max_a[k] > least || min_a[k] - max_b[k] > least)
 }
 
 /// Returns a lower bound of the gap between the boxes of two parts; zero if one has no box.

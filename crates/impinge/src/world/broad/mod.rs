@@ -11,6 +11,7 @@ mod boxes;
 mod columns;
 mod every;
 mod sizes;
+mod sweep;
 
 pub use boxes::BroadPhase;
 pub(super) use boxes::KnownPairs;
