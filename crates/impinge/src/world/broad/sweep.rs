@@ -1,7 +1,7 @@
 //! All pairs of a few boxes that overlap, by a sort and a sweep.
 //!
-//! The boxes are sorted along the axis on which their centers are spread most. Each is compared with
-//! those that begin before it ends, four at a time. All comparisons are exact.
+//! The boxes are sorted along the axis on which their centers are spread most. Each is compared
+//! with those that begin before it ends, four at a time. All comparisons are exact.
 //!
 //! Source: Baraff, *Dynamic Simulation of Non-Penetrating Rigid Bodies*, Cornell University, 1992
 //! (Ericson, 7.5). Ours sorts anew at each step, and sweeps along one axis.
