@@ -59,7 +59,7 @@ fn main() -> Result<()> {
             ]);
         }
     }
-    print!("{table}median time of a step, all bodies move");
+    println!("{table}median time of a step, all bodies move");
     table.record("", 1)
 }
 
