@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::corners::Corners;
 use super::kind::{Kind, RoundCore, Shape};
-use super::round::{Ellipsoid, Tapered};
+use super::round::{ErodedEllipsoid, Tapered};
 use crate::convex::{Support, Turned};
 use crate::hull::Hull;
 use crate::input::{InputError, InputErrorKind};
@@ -123,7 +123,8 @@ impl Shape {
         if half_axes == [half_axes[0]; 3] {
             return Self::sphere([0.0; 3], half_axes[0]);
         }
-        Ok(Self::curved(Arc::new(Ellipsoid { half_axes })))
+        let (core, radius) = ErodedEllipsoid::of(half_axes);
+        Ok(Self(Kind::Round { core: RoundCore::Curved(Arc::new(core)), radius }))
     }
 
     /// Returns the shape of a convex hull, with its interior. The hull's frame is the frame of the

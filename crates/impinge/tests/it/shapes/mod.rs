@@ -6,6 +6,7 @@ mod compounds;
 mod contacts;
 mod degenerate;
 mod depths;
+mod ellipsoids;
 mod height_fields;
 mod hulls;
 mod mesh_contacts;
